@@ -1,0 +1,3 @@
+"""octolux: real-time global illumination for Python."""
+
+__version__ = "0.1.0"

@@ -1,0 +1,62 @@
+"""Materials: metallic-roughness as in glTF 2.0, section 3.9, and the images they use. Plain data, no GPU."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+Wrap = Literal["repeat", "mirrored_repeat", "clamp_to_edge"]
+AlphaMode = Literal["opaque", "mask", "blend"]
+Color = tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Image:
+    """Pixels as stored in a file: uint8 (height, width, 4), row 0 at the top. Whether they are sRGB or linear is
+    decided by the material slot that uses them (glTF 2.0, section 3.9.2)."""
+
+    pixels: np.ndarray
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        p = self.pixels
+        if p.dtype != np.uint8 or p.ndim != 3 or p.shape[2] != 4 or 0 in p.shape:
+            raise ValueError(f"image '{self.name}': expected uint8 (height, width, 4), got {p.dtype} {p.shape}")
+
+
+@dataclass(frozen=True, eq=False)
+class Texture:
+    """An image and how its coordinates wrap outside [0, 1]; (u, v) = (0, 0) is the image's upper left corner (glTF)."""
+
+    image: Image
+    wrap: tuple[Wrap, Wrap] = ("repeat", "repeat")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Material:
+    """A surface. Colours are linear Rec. 709; textures multiply the factor beside them.
+
+    base_color: diffuse albedo of a dielectric, F0 of a metal; unitless, in [0, 1].
+    specular: weight of the dielectric specular lobe; 1 = F0 of 0.04 as in glTF, 0 = pure Lambert.
+    metallic_roughness_texture: roughness in G, metallic in B (glTF).
+    normal_texture: tangent-space normals, green up (glTF); normal_scale multiplies x and y.
+    emissive: emitted radiance in nits (cd/m^2), both faces.
+    """
+
+    name: str = ""
+    base_color: Color = (1.0, 1.0, 1.0)
+    alpha: float = 1.0
+    base_color_texture: Texture | None = None
+    metallic: float = 0.0
+    roughness: float = 1.0
+    metallic_roughness_texture: Texture | None = None
+    specular: float = 1.0
+    normal_texture: Texture | None = None
+    normal_scale: float = 1.0
+    emissive: Color = (0.0, 0.0, 0.0)
+    emissive_texture: Texture | None = None
+    alpha_mode: AlphaMode = "opaque"
+    alpha_cutoff: float = 0.5
+    double_sided: bool = False

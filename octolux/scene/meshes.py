@@ -1,0 +1,52 @@
+"""Meshes and instances: triangles in object space and where they stand in the world."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Mesh:
+    """Triangles of one material.
+
+    positions: float32 (vertices, 3), metres, object space.
+    normals: float32 (vertices, 3), unit length, shading normals.
+    uvs: float32 (vertices, 2), (0, 0) at the image's upper left.
+    tangents: float32 (vertices, 4), glTF: xyz unit length, w = +1 or -1 the sign of the bitangent cross(n, t) * w.
+    indices: uint32 (triangles, 3), counter-clockwise seen from the front.
+    material: index into `Scene.materials`.
+    """
+
+    positions: np.ndarray
+    normals: np.ndarray
+    uvs: np.ndarray
+    tangents: np.ndarray
+    indices: np.ndarray
+    material: int = 0
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        count = len(self.positions)
+        expected = {"positions": 3, "normals": 3, "uvs": 2, "tangents": 4}
+        for attribute, width in expected.items():
+            array = getattr(self, attribute)
+            if array.dtype != np.float32 or array.shape != (count, width):
+                raise ValueError(
+                    f"mesh '{self.name}': {attribute} must be float32 ({count}, {width}), "
+                    f"got {array.dtype} {array.shape}"
+                )
+        if self.indices.dtype != np.uint32 or self.indices.ndim != 2 or self.indices.shape[1] != 3:
+            raise ValueError(f"mesh '{self.name}': indices must be uint32 (triangles, 3)")
+        if self.indices.size and int(self.indices.max()) >= count:
+            raise ValueError(f"mesh '{self.name}': index {int(self.indices.max())} of only {count} vertices")
+
+
+@dataclass(frozen=True, eq=False)
+class Instance:
+    """A mesh placed in the world. `transform` is float64 (4, 4), object to world, column vectors."""
+
+    mesh: int
+    transform: np.ndarray = field(default_factory=lambda: np.eye(4))
+    name: str = ""

@@ -1,0 +1,60 @@
+"""The scene: everything a picture is made from. Plain data, no GPU."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .animation import Track
+from .cameras import Camera
+from .lights import Light
+from .materials import Color, Material
+from .meshes import Instance, Mesh
+
+
+@dataclass(frozen=True)
+class Environment:
+    """What surrounds the scene. `radiance` in nits, the same from everywhere."""
+
+    radiance: Color = (0.0, 0.0, 0.0)
+
+
+@dataclass(kw_only=True)
+class Scene:
+    """Meshes, instances, materials, lights, cameras and keyframes. Right-handed, y up, metres, linear Rec. 709.
+
+    Lists may be changed at any time; their elements are frozen, so replace an element to change it
+    (`dataclasses.replace`). `exposure` is in EV100, or None when the source names none.
+    `warnings` holds what a loader had to leave out or guess.
+    """
+
+    name: str = ""
+    meshes: list[Mesh] = field(default_factory=list)
+    instances: list[Instance] = field(default_factory=list)
+    materials: list[Material] = field(default_factory=list)
+    lights: list[Light] = field(default_factory=list)
+    cameras: list[Camera] = field(default_factory=list)
+    environment: Environment = Environment()
+    tracks: list[Track] = field(default_factory=list)
+    exposure: float | None = None
+    warnings: list[str] = field(default_factory=list)
+
+    @property
+    def triangle_count(self) -> int:
+        """Triangles as drawn: each instance counts its mesh."""
+        return sum(len(self.meshes[i.mesh].indices) for i in self.instances)
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """World-space box of all instances: two float64 (3,), lowest and highest corner. An empty scene is a point."""
+        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        for instance in self.instances:
+            mesh = self.meshes[instance.mesh]
+            if not mesh.indices.size:
+                continue
+            used = mesh.positions[mesh.indices.ravel()].astype(np.float64)
+            world = used @ instance.transform[:3, :3].T + instance.transform[:3, 3]
+            low, high = np.minimum(low, world.min(axis=0)), np.maximum(high, world.max(axis=0))
+        if not np.isfinite(low).all():
+            return np.zeros(3), np.zeros(3)
+        return low, high
