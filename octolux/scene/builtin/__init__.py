@@ -1,0 +1,12 @@
+"""Scenes made by code: always at hand, no files needed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..scene import Scene
+from .cornell_box import cornell_box
+from .furnace import furnace
+
+BUILTIN: dict[str, Callable[[], Scene]] = {"cornell-box": cornell_box, "furnace": furnace}
+"""Built-in scenes by name; each call makes a new Scene."""
