@@ -1,0 +1,1 @@
+"""References of the light propagation volume: transfer constants, injection, propagation, lookup."""
