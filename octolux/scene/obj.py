@@ -1,0 +1,136 @@
+"""Wavefront OBJ: geometry through assimp, materials through `mtl` and `obj_materials`."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from pathlib import Path
+
+import assimp_py
+import numpy as np
+
+from . import geometry, obj_materials
+from .errors import SceneError
+from .meshes import Instance, Mesh
+from .mtl import MtlEntry, read_mtl
+from .obj_faults import find_fault, without_lines
+from .scene import Scene
+
+_FLAGS = assimp_py.Process_Triangulate | assimp_py.Process_JoinIdenticalVertices | assimp_py.Process_SortByPType
+_MTLLIB = re.compile(rb"^[ \t]*mtllib[ \t]+(.+?)[ \t\r]*$", re.MULTILINE)
+_UNNAMED = "DefaultMaterial"  # what assimp calls the material of faces before any `usemtl`
+
+
+def load_obj(path: str | Path) -> Scene:
+    """Load an OBJ model: one mesh and one instance for each group (`g`, or `o`) and material in it, named as the group.
+
+    OBJ names no unit: coordinates are kept as they are and taken for metres. Vertices without normals get those of
+    their faces (smoothing groups without normals are not read). v is flipped, for it points up in OBJ. Materials are
+    all those of the MTL files, in their order, when faces name any; faces without one get a grey default.
+
+    Raises SceneError: no such file, malformed text, indices out of range, non-finite positions, no triangles with an
+    area, broken images. Missing MTL files and images, and lines or points, are left out and noted in `Scene.warnings`.
+    """
+    path = Path(path)
+    scene = Scene(name=path.stem)
+    entries = _read_libraries(path, scene.warnings)
+    model = _import(path, scene.warnings)
+    used = [model.materials[mesh.material_index]["NAME"] for mesh in model.meshes]
+    slots = _materials(scene, entries, used)
+    for part, material in zip(model.meshes, used, strict=True):
+        if part.num_indices:
+            scene.meshes.append(_mesh(path, part, slots[material]))
+            scene.instances.append(Instance(len(scene.meshes) - 1, name=part.name))
+    if not any(geometry.has_area(mesh.positions, mesh.indices).any() for mesh in scene.meshes):
+        raise SceneError(path, "", "the model holds no triangle with an area", "export it with faces ('f' lines)")
+    return scene
+
+
+def _import(path: Path, warnings: list[str]):
+    try:
+        return assimp_py.import_file(str(path), _FLAGS)
+    except ValueError:  # assimp_py's answer to lines and points beside the triangles
+        warnings.append(f"{path}: lines and points are left out; only faces are drawn")
+    except RuntimeError as error:
+        raise _fault(path, error) from error
+    try:
+        with without_lines(path) as faces_only:
+            return assimp_py.import_file(str(faces_only), _FLAGS)
+    except (RuntimeError, ValueError) as error:
+        raise _fault(path, error) from error
+
+
+def _fault(path: Path, error: Exception) -> SceneError:
+    """Assimp says what is wrong but not where; look for the line."""
+    place, problem = find_fault(path) or ("", str(error).rpartition(": ")[2].strip().rstrip("."))
+    return SceneError(path, place, problem, "mend the line, or export the model again as OBJ with polygons")
+
+
+def _read_libraries(path: Path, warnings: list[str]) -> dict[str, tuple[MtlEntry, Path]]:
+    """The entries of all MTL files that the OBJ names, by material name, each with its file's folder."""
+    try:
+        lines = _MTLLIB.findall(path.read_bytes())
+    except OSError as error:
+        remedy = "check the path and the permissions"
+        raise SceneError(path, "", f"cannot be read: {error.strerror}", remedy) from error
+    entries: dict[str, tuple[MtlEntry, Path]] = {}
+    for written in dict.fromkeys(line.decode("utf-8", errors="replace").strip('"') for line in lines):
+        library = obj_materials.find_file(path.parent, written)
+        try:
+            found = read_mtl(library)
+        except OSError as error:
+            warnings.append(f"material library {library} is not read ({error.strerror}); grey stands in")
+            continue
+        entries |= {name: (entry, library.parent) for name, entry in found.items()}
+    return entries
+
+
+def _materials(scene: Scene, entries: dict[str, tuple[MtlEntry, Path]], used: list[str]) -> dict[str, int]:
+    """Fill `scene.materials`; returns the index for each name in `used`."""
+    named = any(name in entries for name in used)
+    if named:
+        scene.materials += obj_materials.convert(entries.values(), scene.warnings)
+    slots = {name: index for index, name in enumerate(entries if named else ())}
+    missing = Counter(name for name in used if name not in slots)
+    if missing:
+        scene.materials.append(obj_materials.DEFAULT)
+    for name in missing:
+        slots[name] = len(scene.materials) - 1
+        if name != _UNNAMED:
+            scene.warnings.append(f"material '{name}' is in no material library; grey stands in")
+    return slots
+
+
+def _mesh(path: Path, part, material: int) -> Mesh:
+    count = part.num_vertices
+    positions = np.array(part.vertices, np.float32).reshape(count, 3)
+    indices = np.array(part.indices, np.uint32).reshape(-1, 3)
+    if not np.isfinite(positions).all():
+        place, problem = find_fault(path) or (f"group '{part.name}'", "a position is not finite")
+        raise SceneError(path, place, problem, "write finite numbers after 'v', or export the model again")
+    uvs = _uvs(part, count)
+    if part.normals is None:
+        positions, normals, uvs, indices = geometry.flat(positions, uvs, indices)
+    else:
+        normals = np.array(part.normals, np.float32).reshape(count, 3)
+        normals = geometry.repair_normals(positions, normals, indices)
+    return Mesh(
+        positions=positions,
+        normals=normals,
+        uvs=uvs,
+        tangents=geometry.tangents(positions, normals, uvs, indices),
+        indices=indices,
+        material=material,
+        name=part.name,
+    )
+
+
+def _uvs(part, count: int) -> np.ndarray:
+    """float32 (count, 2), v flipped to point down; zeros where the file has none or what it has is not finite."""
+    if not part.texcoords:
+        return np.zeros((count, 2), np.float32)
+    stored = np.array(part.texcoords[0], np.float32).reshape(count, part.num_uv_components[0])
+    uvs = np.zeros((count, 2), np.float32)
+    uvs[:, : min(2, stored.shape[1])] = stored[:, :2]
+    uvs[:, 1] = 1.0 - uvs[:, 1]
+    return np.where(np.isfinite(uvs), uvs, np.float32(0.0))
