@@ -15,7 +15,8 @@ Evaluations:
 - "clamped": max(0, I(w_c)), the papers' choice. A cosine lobe gains 12 to 14 % in its first step, since it is negative
   behind itself. A cell that is non-negative everywhere sends each neighbour light that is again non-negative, so
   for it the step is the signed one and the gain 1: with "face", nothing more than a few tenths of a percent follows.
-  With "travel" the reprojected lobes are negative behind themselves again, and flux grows without bound.
+  With "travel" the reprojected lobes are negative behind themselves again, and flux keeps growing, to 1.6 times in 30
+  steps.
 - "dominant_lobe": ours. The cell is read as a lobe plus an isotropic rest (`sh.dominant_lobe`). The rest
   sends solid_angle / (4 pi) of its flux to each face; the lobe sends max(0, d.m_f) / sum of max(0, d.m_f), m_f the
   first moment of the face, that is the face's share of the integral of max(0, d.w) but for faces across the horizon.
