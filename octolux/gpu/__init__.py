@@ -1,0 +1,1 @@
+"""The device layer: adapter, resources, shader modules, passes and the profiler. Knows nothing of light."""

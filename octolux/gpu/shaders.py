@@ -1,0 +1,98 @@
+"""WGSL from templates: files of the package composed with Jinja2, and errors led back to the line they came from.
+
+A template says `{{ use("shaders/sh.wgsl") }}` to include another file once, and may use Jinja2's loops to unroll.
+Names that were not passed in are errors. Paths start at the package's folder, so every name is full.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import wgpu
+
+from ..scene.errors import OctoluxError
+
+PACKAGE = Path(__file__).parent.parent
+_MARK = re.compile(r"[ \t]*//@(\d+):(\d+)$")
+_OPEN, _CLOSE = ("{%", "{{", "{#"), ("%}", "}}", "#}")
+
+
+class ShaderError(OctoluxError):
+    """WGSL that did not compile, with the file and line it stands in."""
+
+
+class Source:
+    """Composed WGSL and where each of its lines came from."""
+
+    def __init__(self, text: str, origins: list[tuple[str, int]]):
+        self.text, self.origins = text, origins
+
+    def explain(self, message: str) -> str:
+        """The compiler's message with the original file and line in front of it."""
+        match = re.search(r"wgsl:(\d+):(\d+)", message)
+        if not match or not 0 < int(match[1]) <= len(self.origins):
+            return message
+        file, line = self.origins[int(match[1]) - 1]
+        return f"octolux/{file}:{line}: in '{self.text.splitlines()[int(match[1]) - 1].strip()}'\n{message}"
+
+
+class _Composer:
+    """Renders one module: remembers which files it has used, and their names for the line marks."""
+
+    def __init__(self, root: Path, values: dict[str, Any]):
+        self.root, self.values = root, values
+        self.files: list[str] = []
+        self.environment = jinja2.Environment(undefined=jinja2.StrictUndefined, trim_blocks=False)
+
+    def use(self, name: str) -> str:
+        """The text of the file `name`, or nothing when it is already part of this module."""
+        if name in self.files:
+            return ""
+        self.files.append(name)
+        path = self.root / name
+        try:
+            marked = _mark_lines(path.read_text(encoding="utf-8"), len(self.files) - 1)
+            return self.environment.from_string(marked).render(self.values, use=self.use)
+        except FileNotFoundError as error:
+            raise ShaderError(f"octolux/{name}: no such shader file") from error
+        except jinja2.TemplateError as error:
+            raise ShaderError(f"octolux/{name}: {error}") from error
+
+
+def _mark_lines(text: str, file: int) -> str:
+    """Append `//@file:line` to each line that does not end inside a Jinja2 tag."""
+    lines, depth = [], 0
+    for number, line in enumerate(text.splitlines(), 1):
+        depth += sum(line.count(t) for t in _OPEN) - sum(line.count(t) for t in _CLOSE)
+        lines.append(line if depth else f"{line} //@{file}:{number}")
+    return "\n".join(lines) + "\n"
+
+
+def compose(name: str, header: Iterable[str] = (), root: Path = PACKAGE, **values: Any) -> Source:
+    """The WGSL of file `name`, with everything it uses, below the lines of `header`.
+
+    Raises ShaderError for a missing file, a bad template or a name that is not in `values`.
+    """
+    composer = _Composer(root, values)
+    body = composer.use(name)
+    lines = [line for block in header for line in block.splitlines()]
+    origins = [("(declarations)", i + 1) for i in range(len(lines))]
+    for line in body.splitlines():
+        mark = _MARK.search(line)
+        where = (composer.files[int(mark[1])], int(mark[2])) if mark else (origins[-1] if origins else (name, 1))
+        stripped = _MARK.sub("", line)
+        lines.append(stripped)
+        origins.append(where)
+    return Source("\n".join(lines) + "\n", origins)
+
+
+def compile_module(device: Any, label: str, source: Source) -> Any:
+    """A shader module. Raises ShaderError that names the original file and line."""
+    try:
+        return device.create_shader_module(label=label, code=source.text)
+    except wgpu.GPUError as error:
+        raise ShaderError(source.explain(str(error))) from error
