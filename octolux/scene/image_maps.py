@@ -33,9 +33,37 @@ def _mask_values(mask: Image) -> np.ndarray:
 
 
 def is_normal_map(image: Image) -> bool:
-    """Whether an image in a `bump` slot holds tangent-space normals: coloured, and on average pointing outwards."""
-    red, green, blue = image.pixels[..., :3].reshape(-1, 3).mean(axis=0)
-    return abs(red - 128) < 40 and abs(green - 128) < 40 and blue > 160 and blue - max(red, green) > 30
+    """Whether an image in a `bump` slot holds tangent-space normals: those are bluish, heights are grey.
+
+    Black pixels are not counted: they fill the unused parts of atlases.
+    """
+    colors = image.pixels[..., :3].reshape(-1, 3)
+    used = colors[colors.max(axis=1) > 16]
+    if not len(used):
+        return False
+    red, green, blue = used.mean(axis=0)
+    return bool(abs(red - 128) < 40 and abs(green - 128) < 40 and blue - max(red, green) > 30)
+
+
+def with_green_up(image: Image, otherwise: bool) -> Image:
+    """A map of normals as glTF wants it, its green turned over when it points down.
+
+    Normals come from a height, whose slopes p to the right and q upwards have dp/dy = dq/dx; with green pointing down
+    the two sides have opposite signs, which their correlation shows. `otherwise` says whether green points up where it
+    shows nothing (within 0.1 of zero).
+    """
+    normals = image.pixels[..., :3].astype(np.float32) / 127.5 - 1.0
+    outwards = np.maximum(normals[..., 2], 0.1)
+    p, q = normals[..., 0] / outwards, normals[..., 1] / outwards
+    change_up = np.roll(p, 1, axis=0) - np.roll(p, -1, axis=0)
+    change_right = np.roll(q, -1, axis=1) - np.roll(q, 1, axis=1)
+    scale = float(np.sqrt((change_up**2).sum() * (change_right**2).sum()))
+    correlation = float((change_up * change_right).sum()) / scale if scale > 0 else 0.0
+    if correlation > 0.1 or (otherwise and correlation > -0.1):
+        return image
+    pixels = image.pixels.copy()
+    pixels[..., 1] = 255 - pixels[..., 1]
+    return Image(pixels, image.name)
 
 
 def normals_from_height(height: Image, multiplier: float = 1.0) -> Image:

@@ -6,9 +6,11 @@ import io
 import os
 import struct
 import zlib
-from collections.abc import Iterable
+from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from PIL import Image as Pillow
@@ -24,6 +26,19 @@ _BROKEN = (OSError, SyntaxError, ValueError, EOFError, IndexError, KeyError, Typ
 _BOMB = (Pillow.DecompressionBombError, Pillow.DecompressionBombWarning)
 
 
+Key = TypeVar("Key")
+
+
+@dataclass(frozen=True)
+class ImageSource:
+    """An image to decode: a file or the bytes of one, what to call it, and the file and place that errors name."""
+
+    data: Path | bytes
+    name: str
+    file: str
+    place: str = ""
+
+
 def load_image(source: str | Path | bytes, name: str) -> Image:
     """Decode a file, or the bytes of one, to uint8 RGBA (height, width, 4), row 0 at the top.
 
@@ -31,23 +46,29 @@ def load_image(source: str | Path | bytes, name: str) -> Image:
     converted between sRGB and linear. Raises FileNotFoundError when there is no such file, SceneError when it holds
     no picture, or one of more than MAX_PIXELS.
     """
-    stream = io.BytesIO(source) if isinstance(source, bytes) else source
+    return _decode(ImageSource(Path(source) if isinstance(source, str) else source, name, name))
+
+
+def _decode(source: ImageSource) -> Image:
+    stream = io.BytesIO(source.data) if isinstance(source.data, bytes) else source.data
     try:
         with Pillow.open(stream, formats=FORMATS) as picture:
             if picture.width * picture.height > MAX_PIXELS:
-                raise _too_large(name, f"{picture.width} x {picture.height} pixels")
-            return Image(_rgba(picture), name)
+                raise _too_large(source, f"{picture.width} x {picture.height} pixels")
+            return Image(_rgba(picture), source.name)
     except FileNotFoundError:
         raise
     except _BOMB as error:
-        raise _too_large(name, "far too many pixels") from error
+        raise _too_large(source, "far too many pixels") from error
     except _BROKEN as error:
-        what = "is a directory" if isinstance(error, IsADirectoryError) else "cannot be read as a picture"
-        raise SceneError(name, "", what, f"replace it by a valid file of {', '.join(FORMATS)}") from error
+        what = "is a directory" if isinstance(error, IsADirectoryError) else "is no readable picture"
+        what = f"image '{source.name}' {what}"
+        raise SceneError(source.file, source.place, what, f"replace it by one of {', '.join(FORMATS)}") from error
 
 
-def _too_large(name: str, size: str) -> SceneError:
-    return SceneError(name, "", f"the picture has {size}, more than {MAX_PIXELS}", "scale it down")
+def _too_large(source: ImageSource, size: str) -> SceneError:
+    problem = f"image '{source.name}' has {size}, more than {MAX_PIXELS} in all"
+    return SceneError(source.file, source.place, problem, "scale it down")
 
 
 def _rgba(picture: Pillow.Image) -> np.ndarray:
@@ -64,22 +85,24 @@ def checker(name: str) -> Image:
     return Image(np.where(odd[..., None], (0, 0, 0, 255), (255, 0, 255, 255)).astype(np.uint8), name)
 
 
-def load_images(paths: Iterable[Path], warnings: list[str]) -> dict[Path, Image]:
-    """Decode each of `paths` once, in threads. A missing file gives the checker and a line in `warnings`.
+def load_images(sources: Mapping[Key, ImageSource], warnings: list[str]) -> dict[Key, Image]:
+    """Decode each source once, in threads. A missing file gives the checker and a line in `warnings`.
 
     Raises SceneError as `load_image` does.
     """
-    unique = list(dict.fromkeys(paths))
     with ThreadPoolExecutor(max_workers=min(8, os.cpu_count() or 1)) as threads:
-        images = dict(zip(unique, threads.map(_load_or_none, unique), strict=True))
-    for path in unique:
-        if images[path] is None:
-            warnings.append(f"image {path} is missing; a magenta checker stands in for it")
-    return {path: image or checker(str(path)) for path, image in images.items()}
+        decoded = dict(zip(sources, threads.map(_decode_or_none, sources.values()), strict=True))
+    images = {}
+    for key, image in decoded.items():
+        if image is None:
+            warnings.append(f"image {sources[key].data!s} is missing; a magenta checker stands in for it")
+            image = checker(sources[key].name)
+        images[key] = image
+    return images
 
 
-def _load_or_none(path: Path) -> Image | None:
+def _decode_or_none(source: ImageSource) -> Image | None:
     try:
-        return load_image(path, str(path))
+        return _decode(source)
     except FileNotFoundError:
         return None

@@ -11,7 +11,9 @@ Decisions, for MTL says less than a renderer needs:
   Rough Surfaces", EGSR 2007, section 5.2, matches lobes so) and roughness = sqrt(alpha) (glTF 2.0, appendix B.2.1).
 - `d` is opacity and wins over `Tr` = 1 - d. A `Tr` of 1 alone is read as opaque, as its writers mean it.
 - `map_d` is a mask: its alpha channel when it has one, else its luminance, goes into the base colour's alpha.
-- Coloured `bump` images are tangent-space normals, grey ones heights. All surfaces are double sided.
+- Coloured `bump` images are tangent-space normals, grey ones heights. Green points down in those that 3ds Max and
+  CryEngine write, and is turned up; see `image_maps.with_green_up`.
+- All surfaces are double sided.
 """
 
 from __future__ import annotations
@@ -20,8 +22,8 @@ from collections.abc import Iterable
 from math import sqrt
 from pathlib import Path
 
-from .image_maps import is_normal_map, normals_from_height, with_alpha
-from .images import load_images
+from .image_maps import is_normal_map, normals_from_height, with_alpha, with_green_up
+from .images import ImageSource, load_images
 from .materials import AlphaMode, Color, Image, Material, Texture
 from .mtl import MapLine, MtlEntry
 
@@ -59,7 +61,7 @@ def convert(entries: Iterable[tuple[MtlEntry, Path]], warnings: list[str]) -> li
     entries = list(entries)
     files = {(folder, line.file) for entry, folder in entries for line in entry.maps.values()}
     paths = {key: find_file(*key) for key in sorted(files)}
-    images = load_images(paths.values(), warnings)
+    images = load_images({path: ImageSource(path, path.name, str(path)) for path in paths.values()}, warnings)
     made = _ImageMaker({key: images[path] for key, path in paths.items()})
     return [_material(entry, folder, made, warnings) for entry, folder in entries]
 
@@ -80,13 +82,15 @@ class _ImageMaker:
             self.made[key] = with_alpha(plain, self.images[folder, mask.file])
         return self.made[key]
 
-    def normal(self, folder: Path, line: MapLine) -> Image:
-        image = self.images[folder, line.file]
-        if is_normal_map(image):
-            return image
-        key = (folder, line.file, line.bump_multiplier)
+    def normal(self, folder: Path, line: MapLine, green_up: bool) -> Image:
+        """`green_up`: what an image of normals is taken to be when its content does not tell."""
+        key = (folder, line.file, line.bump_multiplier, green_up)
         if key not in self.made:
-            self.made[key] = normals_from_height(image, line.bump_multiplier)
+            image = self.images[folder, line.file]
+            if is_normal_map(image):
+                self.made[key] = with_green_up(image, green_up)
+            else:
+                self.made[key] = normals_from_height(image, line.bump_multiplier)
         return self.made[key]
 
 
@@ -109,7 +113,7 @@ def _material(entry: MtlEntry, folder: Path, made: _ImageMaker, warnings: list[s
         metallic=metallic,
         roughness=roughness(entry.numbers.get("ns", 0.0)),
         specular=specular,
-        normal_texture=_texture(made.normal(folder, bump), bump) if bump else None,
+        normal_texture=_texture(made.normal(folder, bump, "norm" in maps), bump) if bump else None,
         emissive=(1.0, 1.0, 1.0) if emissive_map else entry.colors.get("ke", (0.0, 0.0, 0.0)),
         emissive_texture=_texture(made.images[folder, emissive_map.file], emissive_map) if emissive_map else None,
         alpha_mode=mode,

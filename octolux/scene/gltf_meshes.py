@@ -1,0 +1,142 @@
+"""glTF meshes: each primitive made of triangles becomes one Mesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from . import geometry
+from .gltf_accessors import Accessors, require
+from .gltf_extensions import UvUse
+from .gltf_json import Fields
+from .meshes import Mesh
+
+_TRIANGLES, _STRIP, _FAN = 4, 5, 6
+_LEFT_OUT = {0: "points", 1: "lines", 2: "lines", 3: "lines"}
+
+
+@dataclass
+class MeshTable:
+    """The meshes of a file. `parts[i]` are the indices into `meshes` of the primitives of the file's mesh i."""
+
+    meshes: list[Mesh] = field(default_factory=list)
+    parts: list[list[int]] = field(default_factory=list)
+    empty: list[str] = field(default_factory=list)  # places of primitives in which no triangle has an area
+
+
+def read_meshes(root: Fields, accessors: Accessors, uv_uses: list[UvUse], warnings: list[str]) -> MeshTable:
+    """Read all meshes of a file.
+
+    uv_uses: for each material, what its textures do with TEXCOORD sets. Primitives of points, of lines, or without area
+    are left out and noted in `warnings`. Raises SceneError.
+    """
+    table = MeshTable()
+    for fields in root.children("meshes", "mesh"):
+        primitives = fields.children("primitives", "primitive")
+        if not primitives:
+            raise fields.error("it has no primitives")
+        table.parts.append([])
+        for primitive in primitives:
+            mesh = _primitive(primitive, accessors, uv_uses, fields.string("name", ""), warnings)
+            if mesh is None:
+                continue
+            if not geometry.has_area(mesh.positions, mesh.indices).any():
+                table.empty.append(primitive.place)
+                warnings.append(f"{primitive.place}: no triangle has an area; left out")
+                continue
+            table.parts[-1].append(len(table.meshes))
+            table.meshes.append(mesh)
+    return table
+
+
+def _primitive(
+    fields: Fields, accessors: Accessors, uv_uses: list[UvUse], name: str, warnings: list[str]
+) -> Mesh | None:
+    mode = fields.integer("mode", _TRIANGLES, high=6)
+    if mode in _LEFT_OUT:
+        warnings.append(f"{fields.place}: {_LEFT_OUT[mode]} are left out")
+        return None
+    attributes = fields.child("attributes")
+    if attributes is None or "POSITION" not in attributes:
+        raise fields.error("it has no POSITION attribute")
+    for key, what in (("COLOR_0", "vertex colours"), ("JOINTS_0", "skin weights")):
+        if key in attributes:
+            warnings.append(f"{fields.place}: {what} are left out")
+    if "targets" in fields:
+        warnings.append(f"{fields.place}: morph targets are left out")
+    material = fields.index("material", len(uv_uses) - 1, "material")
+    positions = _attribute(attributes, accessors, "POSITION", 3)
+    indices = _indices(fields, accessors, len(positions), mode, warnings)
+    slot = len(uv_uses) - 1 if material is None else material
+    return _mesh(attributes, accessors, positions, indices, slot, uv_uses[slot], name)
+
+
+def _mesh(
+    attributes: Fields, accessors: Accessors, positions, indices, material: int, uv_use: UvUse, name: str
+) -> Mesh:
+    count = len(positions)
+    key = f"TEXCOORD_{uv_use.texcoord}"
+    uvs = _attribute(attributes, accessors, key, 2, count) if key in attributes else np.zeros((count, 2), np.float32)
+    uvs = uv_use.apply(uvs)
+    tangents = None
+    if "NORMAL" in attributes:
+        normals = _attribute(attributes, accessors, "NORMAL", 3, count)
+        normals = geometry.repair_normals(positions, normals, indices)
+        if "TANGENT" in attributes and uv_use == UvUse(uv_use.texcoord):
+            tangents = _stored_tangents(_attribute(attributes, accessors, "TANGENT", 4, count))
+    else:  # glTF 2.0, section 3.7.2.1: flat normals, and tangents in the file are ignored
+        positions, normals, uvs, indices = geometry.flat(positions, uvs, indices)
+    if tangents is None:
+        tangents = geometry.tangents(positions, normals, uvs, indices)
+    return Mesh(
+        positions=positions,
+        normals=normals,
+        uvs=uvs,
+        tangents=tangents,
+        indices=indices,
+        material=material,
+        name=name,
+    )
+
+
+def _stored_tangents(stored: np.ndarray) -> np.ndarray | None:
+    """The file's tangents at unit length, w = +1 or -1; None when one of them has no length and all are computed."""
+    if (np.linalg.norm(stored[:, :3], axis=1) < 1e-6).any():
+        return None
+    sign = np.where(stored[:, 3:] < 0, -1.0, 1.0)
+    return np.hstack([geometry.unit(stored[:, :3].astype(np.float64)), sign]).astype(np.float32)
+
+
+def _attribute(attributes: Fields, accessors: Accessors, key: str, width: int, count: int | None = None) -> np.ndarray:
+    index = require(attributes, attributes.index(key, len(accessors), "accessor"), key)
+    values = accessors.vectors(index, width)
+    if count is not None and len(values) != count:
+        raise attributes.error(f"{key} has {len(values)} elements, POSITION has {count}")
+    return values
+
+
+def _indices(fields: Fields, accessors: Accessors, count: int, mode: int, warnings: list[str]) -> np.ndarray:
+    """uint32 (triangles, 3), checked to lie below `count`."""
+    index = fields.index("indices", len(accessors), "accessor")
+    flat = np.arange(count, dtype=np.uint32) if index is None else accessors.integers(index)
+    if int(flat.max()) >= count:
+        raise fields.error(f"index {int(flat.max())} of only {count} vertices")
+    if mode == _TRIANGLES:
+        if len(flat) % 3:
+            warnings.append(f"{fields.place}: {len(flat)} indices do not divide into triangles; the rest is left out")
+        return flat[: len(flat) // 3 * 3].reshape(-1, 3)
+    return _strip(flat) if mode == _STRIP else _fan(flat)
+
+
+def _strip(flat: np.ndarray) -> np.ndarray:
+    """Triangle i is (i, i + 1 + i % 2, i + 2 - i % 2): every second one is turned round (section 3.7.2.1)."""
+    first = np.arange(max(len(flat) - 2, 0))
+    odd = first % 2
+    return np.column_stack([flat[first], flat[first + 1 + odd], flat[first + 2 - odd]])
+
+
+def _fan(flat: np.ndarray) -> np.ndarray:
+    """Triangle i is (i + 1, i + 2, 0)."""
+    first = np.arange(max(len(flat) - 2, 0))
+    return np.column_stack([flat[first + 1], flat[first + 2], np.broadcast_to(flat[:1], first.shape)])

@@ -1,0 +1,62 @@
+"""One door for every source of scenes: names of built-in scenes, and files."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable
+from pathlib import Path
+
+from .errors import SceneError
+from .gltf import load_gltf
+from .obj import load_obj
+from .scene import Scene
+
+
+def load_scene(source: str | Path) -> Scene:
+    """The scene that `source` names: a built-in one, or a file by its extension (.obj, .gltf, .glb, .toml).
+
+    A built-in name wins over a file of that name; write ./NAME for the file. Raises SceneError.
+    """
+    from .builtin import BUILTIN  # imported here: building scenes needs much that loading a file does not
+
+    if isinstance(source, str) and source in BUILTIN:
+        return BUILTIN[source]()
+    path = Path(source)
+    _check_readable(path, list(BUILTIN))
+    loader = _loaders().get(path.suffix.lower())
+    if loader is None:
+        known = ", ".join(_loaders())
+        problem = f"files of the kind '{path.suffix}' are not read" if path.suffix else "the file name has no extension"
+        raise SceneError(source, "", problem, f"give one of {known}, or a built-in scene: {', '.join(sorted(BUILTIN))}")
+    return loader(path)
+
+
+def _loaders() -> dict[str, Callable[[Path], Scene]]:
+    from .toml_scene import load_toml  # imported here: a TOML scene may itself include others through `load_scene`
+
+    return {".obj": load_obj, ".gltf": load_gltf, ".glb": load_gltf, ".toml": load_toml}
+
+
+def _check_readable(path: Path, builtin: list[str]) -> None:
+    try:
+        if path.is_dir():
+            raise SceneError(path, "", "is a directory, not a scene", "name a file in it")
+        with path.open("rb"):
+            return
+    except FileNotFoundError as error:
+        raise SceneError(path, "", "there is no such file or built-in scene", _suggestion(path, builtin)) from error
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else error
+        raise SceneError(path, "", f"cannot be read: {reason}", "check the name and the permissions") from error
+
+
+def _suggestion(path: Path, builtin: list[str]) -> str:
+    """The built-in name or the file beside `path` that is most like it, or what there is to choose from."""
+    names = {name: name for name in builtin} if path.parent == Path() else {}
+    if path.parent.is_dir():
+        names |= {entry.name: str(entry) for entry in path.parent.iterdir() if entry.suffix.lower() in _loaders()}
+    folded = {name.lower(): full for name, full in names.items()}
+    close = difflib.get_close_matches(path.name.lower(), folded, n=1)
+    if close:
+        return f"perhaps '{folded[close[0]]}' is meant"
+    return f"check the path, or give a built-in scene: {', '.join(sorted(builtin))}"
