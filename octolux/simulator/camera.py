@@ -62,7 +62,8 @@ def octahedral_decode(square) -> np.ndarray:
 def pack_snorm2x16(values) -> np.ndarray:
     """Two numbers in [-1, 1] (..., 2) in one uint32 (...), bit for bit as WGSL's pack2x16snorm.
 
-    Each is floor(0.5 + 32767 * clamp(v, -1, 1)) in two's complement (WGSL, "Data Packing Built-in Functions"); the first is in the lower 16 bits.
+    Each is floor(0.5 + 32767 * clamp(v, -1, 1)) in two's complement; the first is in the lower 16 bits (WGSL, "Data
+    Packing Built-in Functions").
     """
     clamped = np.clip(np.asarray(values, dtype=np.float64), -1.0, 1.0)
     words = np.floor(0.5 + SNORM16 * clamped).astype(np.int64) & 0xFFFF

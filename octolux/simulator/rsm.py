@@ -14,8 +14,9 @@ CUBE_FORWARD = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1]
 """Viewing axis of each cube face, (6, 3): +x -x +y -y +z -z, the layer order of a cube texture."""
 
 CUBE_RIGHT = np.array([[0, 0, -1], [0, 0, 1], [1, 0, 0], [1, 0, 0], [1, 0, 0], [-1, 0, 0]], dtype=np.float64)
-"""World direction of growing columns, (6, 3), as every graphics API lays out cube textures (Vulkan specification, "Cube Map Face Selection").
-Here right x up = forward, the mirror image of a camera: triangles change their winding when drawn into a face."""
+"""World direction of growing columns, (6, 3), as every graphics API lays out cube textures (Vulkan specification,
+"Cube Map Face Selection"). Here right x up = forward, the mirror image of a camera: triangles change their winding
+when drawn into a face."""
 
 CUBE_UP = np.array([[0, 1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1], [0, 1, 0], [0, 1, 0]], dtype=np.float64)
 """World direction of falling rows (row 0 is at the top), (6, 3)."""

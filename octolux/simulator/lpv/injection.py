@@ -7,7 +7,7 @@ thesis. Each VPL is moved half a cell along its normal first, so that it does no
 
 from __future__ import annotations
 
-from math import frexp, pi
+from math import pi
 
 import numpy as np
 
@@ -58,7 +58,8 @@ def fixed_point_scale(total_flux_bound, count: int, intensity_per_flux: float = 
     """Largest power of two by which coefficients may be multiplied so that no sum of them overflows an int32.
 
     total_flux_bound: scalar or (3,), at least the sum of the flux of all VPLs, W (lm).  count: number of VPLs.
-    Returns float64 of the bound's shape. Raises ValueError on a negative or non-finite bound, or too many VPLs.
+    Returns float64 of the bound's shape. Raises ValueError on a negative or unusably large bound, or too many
+    VPLs.
 
     Band 1 of a unit lobe is sqrt(pi/3) d, so no coefficient of a VPL exceeds sqrt(pi/3) * intensity_per_flux * Phi
     (band 0 has sqrt(pi)/2, which is less). Rounding moves each by at most 1/2. The worst case, all VPLs
@@ -75,14 +76,17 @@ def fixed_point_scale(total_flux_bound, count: int, intensity_per_flux: float = 
     if count < 0 or room < 1.0:
         raise ValueError(f"cannot sum {count} VPLs in an int32 without overflow")
     largest = harmonics.COSINE_LOBE_1 * intensity_per_flux * (1.0 + ARITHMETIC_SLACK) * bound
-    return np.vectorize(lambda sum_: _power_of_two_below(room, sum_), otypes=[np.float64])(largest)
+    exponent = np.where(largest > 0.0, _floor_log2_ratio(room, largest), 0)
+    if (exponent < SCALE_EXPONENTS[0]).any():
+        raise ValueError(f"a total flux of {total_flux_bound} is too large for float32")
+    return np.ldexp(1.0, np.minimum(exponent, SCALE_EXPONENTS[1]))
 
 
-def _power_of_two_below(room: float, largest_sum: float) -> float:
-    if largest_sum == 0.0:
-        return 1.0
-    exponent = frexp(room / largest_sum)[1] - 1
-    return 2.0 ** min(max(exponent, SCALE_EXPONENTS[0]), SCALE_EXPONENTS[1])
+def _floor_log2_ratio(numerator, denominator) -> np.ndarray:
+    """floor(log2(numerator / denominator)) without rounding or overflow: the mantissas are in [1/2, 1)."""
+    mantissa_n, exponent_n = np.frexp(numerator)
+    mantissa_d, exponent_d = np.frexp(denominator)
+    return exponent_n - exponent_d - (mantissa_n < mantissa_d)
 
 
 def inject_fixed_point(position, normal, flux, grid: Grid, scale, intensity_per_flux: float = 1.0 / pi) -> np.ndarray:

@@ -7,16 +7,17 @@ float64 [z][y][x][rgb][4], radiant intensity in W/sr (cd) per channel; light tha
 Flux. CLPV prints solid_angle / (4 pi) * I(w_c), which is not a flux and loses all but 1/(4 pi) per step;
 solid_angle * I(w_c) is meant, and with the reprojection Phi_f / pi keeps energy: over the 30 faces the band-0 part
 adds to 4 pi Y0 c00, the flux of the cell, and the band-1 part to zero by symmetry. `gain` multiplies
-the flux; it is the step gain, flux after / flux before, of the signed and of the dominant-lobe evaluation.
+the flux; it is the step gain, flux after / flux before, of the signed and of the dominant-lobe evaluation. Olovsson's
+step, p = 3 times solid_angle / (4 pi) * I with a lobe that lacks the 1/pi, has gain 3 pi / (4 pi) = 0.75.
 
 Evaluations:
 
 - "signed": I(w_c) as the two-band SH has it, negative behind a lobe. Gain exactly 1; linear.
-- "clamped": max(0, I(w_c)), the papers' choice. A cosine lobe gains 12 to 14 % in its first step, since it is negative
-  behind itself. A cell that is non-negative everywhere sends each neighbour light that is again non-negative, so
-  for it the step is the signed one and the gain 1: with "face", nothing more than a few tenths of a percent follows.
-  With "travel" the reprojected lobes are negative behind themselves again, and flux keeps growing, to 1.6 times in 30
-  steps.
+- "clamped": max(0, I(w_c)), the papers' choice. A cosine lobe gains 11 to 14 % in its first step, by its direction,
+  since it is negative behind itself. A cell that is non-negative everywhere sends each neighbour light that is again
+  non-negative, so for it the step is the signed one and the gain 1: with "face", nothing more than a few tenths of a
+  percent follows. With "travel" the reprojected lobes are negative behind themselves again, and flux keeps growing, to
+  1.6 times in 30 steps.
 - "dominant_lobe": ours. The cell is read as a lobe plus an isotropic rest (`sh.dominant_lobe`). The rest
   sends solid_angle / (4 pi) of its flux to each face; the lobe sends max(0, d.m_f) / sum of max(0, d.m_f), m_f the
   first moment of the face, that is the face's share of the integral of max(0, d.w) but for faces across the horizon.
