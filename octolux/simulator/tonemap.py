@@ -13,9 +13,6 @@ DESATURATION = 0.15
 F90_OFFSET = 0.04
 """What the neutral curve takes off: the light a dielectric of F0 = 0.04 reflects of a white surround."""
 
-REC709_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-"""Luminance of linear Rec. 709 (ITU-R BT.709-6, 3.2)."""
-
 
 def exposure_factor(ev100):
     """Factor from luminance (nits) to the unit of the picture, 1 / (1.2 * 2^EV100): a saturation-based sensor clips at

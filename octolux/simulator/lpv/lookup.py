@@ -49,7 +49,9 @@ def sample_trilinear(sh, grid: Grid, points) -> np.ndarray:
     return result
 
 
-def irradiance(coefficients, normals, cell_size: float, reading: str = "dominant_lobe", scale: float = 1.0):
+def irradiance(
+    coefficients, normals, cell_size: float, reading: str = "dominant_lobe", scale: float = 1.0
+) -> np.ndarray:
     """Irradiance (..., 3), W/m^2 (lx), before albedo, on surfaces with unit `normals` (..., 3).
 
     coefficients: (..., 3, 4), intensity of the volume at the surface.  cell_size: h, metres.
