@@ -57,6 +57,8 @@ def _chunks(path: Path, content: bytes) -> dict[int, bytes]:
             raise error("chunk 0", "the first chunk is not JSON")
         chunks.setdefault(kind, content[start + 8 : start + 8 + size])
         start, number = start + 8 + size, number + 1
+    if _JSON not in chunks:
+        raise error("header", "the file ends before its first chunk")
     return chunks
 
 

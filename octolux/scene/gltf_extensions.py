@@ -24,7 +24,10 @@ class UvUse:
     scale: tuple[float, ...] = (1.0, 1.0)
 
     def apply(self, uvs: np.ndarray) -> np.ndarray:
-        """float32 (vertices, 2): scaled, then rotated, then moved (KHR_texture_transform)."""
+        """float32 (vertices, 2): scaled, then rotated, then moved (KHR_texture_transform).
+
+        Counter-clockwise as one sees it, v pointing down, which is how three.js and Blender read the extension.
+        """
         if self == UvUse(self.texcoord):
             return uvs
         c, s = cos(self.rotation), sin(self.rotation)

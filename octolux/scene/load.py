@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 from collections.abc import Callable
 from pathlib import Path
@@ -23,18 +24,26 @@ def load_scene(source: str | Path) -> Scene:
         return BUILTIN[source]()
     path = Path(source)
     _check_readable(path, list(BUILTIN))
-    loader = _loaders().get(path.suffix.lower())
+    loader = LOADERS.get(path.suffix.lower())
     if loader is None:
-        known = ", ".join(_loaders())
+        known = ", ".join(LOADERS)
         problem = f"files of the kind '{path.suffix}' are not read" if path.suffix else "the file name has no extension"
         raise SceneError(source, "", problem, f"give one of {known}, or a built-in scene: {', '.join(sorted(BUILTIN))}")
     return loader(path)
 
 
-def _loaders() -> dict[str, Callable[[Path], Scene]]:
+def _load_toml(path: Path) -> Scene:
     from .toml_scene import load_toml  # imported here: a TOML scene may itself include others through `load_scene`
 
-    return {".obj": load_obj, ".gltf": load_gltf, ".glb": load_gltf, ".toml": load_toml}
+    return load_toml(path)
+
+
+LOADERS: dict[str, Callable[[Path], Scene]] = {
+    ".obj": load_obj,
+    ".gltf": load_gltf,
+    ".glb": load_gltf,
+    ".toml": _load_toml,
+}
 
 
 def _check_readable(path: Path, builtin: list[str]) -> None:
@@ -53,8 +62,8 @@ def _check_readable(path: Path, builtin: list[str]) -> None:
 def _suggestion(path: Path, builtin: list[str]) -> str:
     """The built-in name or the file beside `path` that is most like it, or what there is to choose from."""
     names = {name: name for name in builtin} if path.parent == Path() else {}
-    if path.parent.is_dir():
-        names |= {entry.name: str(entry) for entry in path.parent.iterdir() if entry.suffix.lower() in _loaders()}
+    with contextlib.suppress(OSError):  # no such folder, or one that may not be listed
+        names |= {entry.name: str(entry) for entry in path.parent.iterdir() if entry.suffix.lower() in LOADERS}
     folded = {name.lower(): full for name, full in names.items()}
     close = difflib.get_close_matches(path.name.lower(), folded, n=1)
     if close:

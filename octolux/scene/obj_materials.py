@@ -38,18 +38,28 @@ def find_file(folder: Path, written: str) -> Path:
     Returns the path as written when there is no such file.
     """
     path = folder / written.replace("\\", "/")
-    if path.exists():
+    if _exists(path):
         return path
     found = Path(path.anchor)
     for part in path.parts[1:] if path.anchor else path.parts:
         found = _child(found, part)
-    return found if found.exists() else path
+    return found if _exists(found) else path
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except (OSError, ValueError):  # longer than the file system allows, or with a zero byte in it
+        return False
 
 
 def _child(folder: Path, name: str) -> Path:
-    if (folder / name).exists() or not folder.is_dir():
+    if _exists(folder / name):
         return folder / name
-    matches = sorted(entry for entry in folder.iterdir() if entry.name.lower() == name.lower())
+    try:
+        matches = sorted(entry for entry in folder.iterdir() if entry.name.lower() == name.lower())
+    except OSError:  # no such folder, or one that may not be listed
+        matches = []
     return matches[0] if matches else folder / name
 
 
