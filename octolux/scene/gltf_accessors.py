@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from .errors import SceneError
 from .gltf_json import Fields
 
 _COMPONENTS = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
@@ -123,6 +122,5 @@ def _component(fields: Fields, allowed: tuple[int, ...] = tuple(_COMPONENTS)) ->
 def require(fields: Fields, index: int | None, what: str) -> int:
     """`index`, or SceneError that it is missing."""
     if index is None:
-        error: SceneError = fields.error(f"'{what}' is missing")
-        raise error
+        raise fields.error(f"'{what}' is missing")
     return index

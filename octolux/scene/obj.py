@@ -78,8 +78,9 @@ def _read_libraries(path: Path, warnings: list[str]) -> dict[str, tuple[MtlEntry
         library = obj_materials.find_file(path.parent, written)
         try:
             found = read_mtl(library)
-        except OSError as error:
-            warnings.append(f"material library {library} is not read ({error.strerror}); grey stands in")
+        except (OSError, ValueError) as error:  # ValueError: a zero byte in the name
+            reason = error.strerror if isinstance(error, OSError) else error
+            warnings.append(f"material library {library} is not read ({reason}); grey stands in")
             continue
         entries |= {name: (entry, library.parent) for name, entry in found.items()}
     return entries

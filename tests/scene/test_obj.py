@@ -122,6 +122,11 @@ def test_missing_files_are_noted_and_stand_ins_are_used(tmp_path):
     assert "material 'm'" in scene.warnings[1]
 
 
+def test_a_library_with_an_impossible_name_is_noted(tmp_path):
+    scene = load_obj(write(tmp_path, "mtllib a\0b.mtl\n" + QUAD + FACE))
+    assert "a\0b.mtl" in scene.warnings[0]
+
+
 def bumps(height: int = 32, width: int = 48) -> Image:
     y, x = np.indices((height, width))
     grey = 127 + 100 * np.sin(x * 2 * np.pi / width * 3) * np.cos(y * 2 * np.pi / height * 2)
