@@ -20,8 +20,8 @@ LAMP = (0.0, 1.75, 0.0)
 CANDELA = 60.0
 """As a household lamp of 750 lumen (4 pi times as much)."""
 
-MEAN_LUMINANCE = 8.0
-"""Nits, what a meter at the camera shows, without the spot on the ceiling just above the lamp."""
+METERED_LUMINANCE = 5.0
+"""Nits, what a meter at the camera shows without the spot on the ceiling just above the lamp."""
 
 
 def cornell_box() -> Scene:
@@ -41,7 +41,7 @@ def cornell_box() -> Scene:
         lights=[PointLight(position=LAMP, intensity=(CANDELA,) * 3, name="lamp")],
         cameras=[Camera.look_at((0.0, 1.0, 3.9), (0.0, 1.0, 0.0), vertical_fov=radians(39.0), name="front")],
         tracks=[_lamp_track()],
-        exposure=metered_exposure(MEAN_LUMINANCE),
+        exposure=metered_exposure(METERED_LUMINANCE),
     )
 
 

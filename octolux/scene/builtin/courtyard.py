@@ -29,17 +29,16 @@ ARCH = 0.93
 # Colour of the curtain in each bay of the lower storey, from -x to +x; None leaves the bay open.
 CURTAINS_SHADE = (None, RED, None, GREEN, None, BLUE, None, RED)
 CURTAINS_SUN = (BLUE, None, RED, None, GREEN, None, RED, None)
+# Colour of the banner in front of each column, at the upper floor.
+BANNERS_SHADE = (None, BLUE, None, RED, None, GREEN, None)
+BANNERS_SUN = (None, GREEN, None, BLUE, None, RED, None)
 
 
 def courtyard() -> Iterator[Mesh]:
     """All meshes of the atrium in world space, metres; material indices are this module's constants."""
-    for side, turns, colors in (("shade", 0, CURTAINS_SHADE), ("sun", 2, CURTAINS_SUN[::-1])):
-        for part in _side():
+    for side, turns in (("shade", 0), ("sun", 2)):
+        for part in [*_side(), *_cloths(side == "sun")]:
             yield moved(part, quarter_turns=turns, name=f"{part.name} ({side})")
-        for number, (x, color) in enumerate(zip(_bay_centres(), colors, strict=True)):
-            if color is not None:
-                cloth = moved(_bay_curtain(color, seed=10 * turns + number), (x, SPRING, -HALF_WIDTH - 0.1))
-                yield moved(cloth, quarter_turns=turns, name=f"curtain {number + 1} ({side})")
     for turns, end in ((1, "west"), (3, "east")):
         for part in _end():
             yield moved(part, quarter_turns=turns, name=f"{part.name} ({end})")
@@ -118,9 +117,19 @@ def _gallery() -> Mesh:
     return merge(parts, "gallery")
 
 
-def _bay_curtain(color: int, seed: int) -> Mesh:
-    """A curtain that hangs from the spring of its arch to just above the floor, drawn together a little."""
-    return curtain(2.0 * ARCH, SPRING - 0.12, 6.5, seed=seed, repeats=2.0, gather=0.12, material=color)
+def _cloths(sun: bool) -> Iterator[Mesh]:
+    """Curtains from the spring of their arch to just above the floor, and banners over the string course."""
+    # The sun side is turned about the centre afterwards, which swaps the ends.
+    curtains, banners = (CURTAINS_SUN[::-1], BANNERS_SUN[::-1]) if sun else (CURTAINS_SHADE, BANNERS_SHADE)
+    for number, (x, color) in enumerate(zip(_bay_centres(), curtains, strict=True)):
+        if color is not None:
+            cloth = curtain(2.0 * ARCH, SPRING - 0.12, 6.5, seed=number + 10 * sun, repeats=2.0, gather=0.12,
+                            material=color)
+            yield moved(cloth, (x, SPRING, -HALF_WIDTH - 0.1), name=f"curtain {number + 1}")
+    for number, (x, color) in enumerate(zip(_column_places(), banners, strict=True)):
+        if color is not None:
+            cloth = curtain(0.85, 2.1, 2.5, seed=number + 50, gather=0.08, material=color)
+            yield moved(cloth, (x, GALLERY + 0.9, -HALF_WIDTH + WALL / 2 + 0.28), name=f"banner {number + 1}")
 
 
 def _end() -> list[Mesh]:
