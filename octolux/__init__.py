@@ -1,3 +1,23 @@
-"""octolux: real-time global illumination for Python."""
+"""octolux: real-time global illumination for Python.
+
+    import octolux
+    scene = octolux.load("cornell-box")
+    picture = octolux.Renderer(scene, "uniform-lpv", size=(640, 480)).render()
+    picture.rgb  # float32 (480, 640, 3), nits
+"""
+
+from .picture import Picture
+from .renderer import Renderer
+from .scene.cameras import Camera
+from .scene.errors import OctoluxError, SceneError
+from .scene.lights import AreaLight, DirectionalLight, PointLight, SpotLight
+from .scene.load import load_scene as load
+from .scene.materials import Material
+from .scene.scene import Environment, Scene
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "AreaLight", "Camera", "DirectionalLight", "Environment", "Material", "OctoluxError", "Picture", "PointLight",
+    "Renderer", "Scene", "SceneError", "SpotLight", "load",
+]  # fmt: skip

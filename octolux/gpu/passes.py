@@ -1,4 +1,4 @@
-"""Passes: a shader with declared bindings. A pass knows what it reads and writes; it is built once and run every frame."""
+"""Passes: a shader with declared bindings. A pass knows what it reads and writes; it is built once, run every frame."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What each stage of a frame costs: GPU timestamps where they can be trusted, else fenced wall time, and it says which."""
+"""What each stage of a frame costs: GPU timestamps where they can be trusted, else fenced wall time."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ class Stage:
 class Profiler:
     """Times the stages of frames.
 
-    `mode` is "timestamps" (GPU clock, frame submitted whole), "fenced" (each stage is submitted alone and waited for, so
-    its wall time is what it cost), or "off". By default timestamps, checked once against the wall clock, else fenced.
+    `mode` is "timestamps" (GPU clock, frame submitted whole), "fenced" (each stage is submitted alone and waited for,
+    so its wall time is what it cost), or "off". By default timestamps, checked once against the wall clock, else fenced.
     """
 
     def __init__(self, device: Device, mode: str | None = None):
@@ -142,6 +142,11 @@ class Profiler:
     def stages(self) -> list[dict[str, Any]]:
         """One row per stage in order of appearance: name, count (frames it ran in), mean_ms, median_ms, total_ms."""
         return [{"name": name, "count": len(t), **_summary(t), "total_ms": sum(t)} for name, t in self._times.items()]
+
+    @property
+    def frames(self) -> int:
+        """How many frames were timed."""
+        return len(self._frame_times)
 
     def frame_ms(self) -> dict[str, float]:
         """Wall time of whole frames, from first command to finished work: mean, median, min, max."""

@@ -1,7 +1,8 @@
 """WGSL from templates: files of the package composed with Jinja2, and errors led back to the line they came from.
 
 A template says `{{ use("shaders/sh.wgsl") }}` to include another file once, and may use Jinja2's loops to unroll.
-Names that were not passed in are errors. Paths start at the package's folder, so every name is full.
+Names that were not passed in are errors. Paths start at the package's folder, so every name is full. A macro that is
+used inside a line must itself stand on one line, since each line carries a mark of its origin as a comment.
 """
 
 from __future__ import annotations

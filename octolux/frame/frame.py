@@ -1,0 +1,117 @@
+"""Frame: one picture being made. Passes and techniques read from it what others have written."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import wgpu
+
+from ..gpu.device import Device
+from ..gpu.profiler import Profiler
+from ..gpu_scene.gpu_scene import GpuScene
+from ..scene.scene import Scene
+from .lights import LightSet
+from .structs import LIGHT_COUNTS, VIEW
+from .views import View
+from .visibility import DrawList
+
+TEXTURE, STORAGE = wgpu.TextureUsage.TEXTURE_BINDING, wgpu.TextureUsage.STORAGE_BINDING
+RENDER, COPY = wgpu.TextureUsage.RENDER_ATTACHMENT, wgpu.TextureUsage.COPY_SRC
+
+
+@dataclass(frozen=True)
+class FrameSettings:
+    """What all techniques share.
+
+    width, height: pixels.  shadow_resolution: texels along a shadow map's edge.  rsm_resolution: VPLs along an RSM's
+    edge, one taken of each block of shadow texels; it divides shadow_resolution.
+    """
+
+    width: int = 1280
+    height: int = 720
+    shadow_resolution: int = 1024
+    rsm_resolution: int = 256
+
+
+class Targets:
+    """The pictures that the shared passes write, of one size."""
+
+    def __init__(self, device: Device, width: int, height: int):
+        self.size = (width, height)
+
+        def make(label: str, format: str, usage: int = STORAGE) -> Any:
+            return device.texture(label, self.size, format, usage=usage | TEXTURE | COPY)
+
+        self.ids = make("visibility", "r32uint", RENDER)
+        self.raster_depth = device.texture("raster depth", self.size, "depth32float", usage=RENDER)
+        self.surface = make("G-buffer", "rgba32uint")
+        self.depth = make("depth", "r32float")
+        self.direct = make("direct light", "rgba32float")
+        self.radiance = make("radiance", "rgba32float")
+        self.display = make("display", "rgba8unorm")
+        self.emissive: Any = None
+
+    def need_emissive(self, device: Device) -> None:
+        if self.emissive is None:
+            usage = STORAGE | TEXTURE | COPY
+            self.emissive = device.texture("emissive", self.size, "rgba32float", usage=usage)
+
+
+@dataclass(eq=False)
+class Frame:
+    """Everything one picture needs. `views` are the camera's and then one for each shadow map.
+
+    shadow_maps: depth array; vpls: buffer [layer][row][column] of VPL, set when the technique needs RSMs.
+    irradiance: rgba32float texture a technique writes: irradiance before albedo, and ambient visibility in alpha;
+    specular: radiance already weighted by the BRDF. None is black.
+    """
+
+    device: Device
+    profiler: Profiler
+    scene: Scene
+    gpu_scene: GpuScene
+    settings: FrameSettings
+    targets: Targets
+    lights: LightSet
+    views: list[View]
+    draws: DrawList
+    buffers: dict[str, Any]
+    shadow_maps: Any = None
+    vpls: Any = None
+    irradiance: Any = None
+    specular: Any = None
+
+    @property
+    def pixels(self) -> tuple[int, int]:
+        return self.targets.size
+
+    @property
+    def world_box(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.gpu_scene.bounds
+
+
+class FrameBuffers:
+    """The small buffers that change every frame: views, lights, their counts, what is drawn. They grow when needed."""
+
+    def __init__(self, device: Device):
+        self.device = device
+        self._kept: dict[str, Any] = {}
+
+    def upload(self, lights: LightSet, views: list[View], draws: DrawList) -> dict[str, Any]:
+        """Write this frame's contents; returns the buffers by binding name."""
+        owners = [0, *lights.light_of_view]
+        packed = VIEW.array(len(views))  # filled in place: np.concatenate would drop the struct's padding
+        for i, (view, owner) in enumerate(zip(views, owners, strict=True)):
+            packed[i] = view.pack(owner)[0]
+        contents = {"views": packed, "lights": lights.packed, "drawn": draws.entries}
+        for name, data in contents.items():
+            buffer = self._kept.get(name)
+            if buffer is None or buffer.size < data.nbytes:
+                self._kept[name] = self.device.buffer(name, size=max(int(data.nbytes * 1.5), 256))
+            self.device.write(self._kept[name], data)
+        if "counts" not in self._kept:
+            self._kept["counts"] = self.device.uniform("light counts", LIGHT_COUNTS.array(1))
+        self.device.write(self._kept["counts"], lights.counts)
+        return dict(self._kept)

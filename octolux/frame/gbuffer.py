@@ -1,0 +1,43 @@
+"""G-buffer: what the camera sees, packed into 128 bits a pixel (shaders/gbuffer.wgsl), and depth."""
+
+from __future__ import annotations
+
+from ..gpu.bindings import storage, storage_texture, texture
+from ..gpu.device import Device
+from ..gpu.passes import ComputePass
+from ..gpu_scene.gpu_scene import GpuScene
+from .frame import Frame
+from .shader_values import CONSTANTS, surface_values
+from .structs import VIEW
+from .visibility import VisibilityPass
+
+
+class GBufferPass:
+    """Rasterises the camera's view and leads each pixel's triangle back to its surface."""
+
+    def __init__(self, device: Device, scene: GpuScene, visibility: VisibilityPass):
+        self.visibility = visibility
+        outputs = [storage_texture("surface_out", "rgba32uint"), storage_texture("depth_out", "r32float")]
+        if scene.has_emission:
+            outputs.append(storage_texture("emissive_out", "rgba32float"))
+        self._resolve = ComputePass(
+            device, "G-buffer", "frame/gbuffer.wgsl",
+            [storage("views", VIEW), texture("visibility", "uint"), *outputs],
+            structs=[VIEW], shared=scene.bindings, **CONSTANTS, **surface_values(scene),
+        )  # fmt: skip
+
+    def run(self, frame: Frame) -> None:
+        t = frame.targets
+        with frame.profiler.stage("visibility") as stage:
+            buffers = {name: frame.buffers[name] for name in ("drawn", "views")}
+            self.visibility.draw(
+                stage, frame.draws, 0, buffers, t.raster_depth.create_view(), t.ids.create_view(), True
+            )
+        outputs = {"surface_out": t.surface, "depth_out": t.depth}
+        if frame.gpu_scene.has_emission:
+            t.need_emissive(frame.device)
+            outputs["emissive_out"] = t.emissive
+        with frame.profiler.stage("G-buffer") as stage:
+            self._resolve.run(
+                stage, frame.pixels, frame.gpu_scene.resources, views=frame.buffers["views"], visibility=t.ids, **outputs
+            )

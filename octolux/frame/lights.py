@@ -1,0 +1,110 @@
+"""The scene's lights for the device: sorted by kind, each with the views of its shadow maps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, pi
+
+import numpy as np
+
+from ..gpu.device import DeviceError
+from ..gpu.limits import DEFAULT_LIMITS
+from ..scene.lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight
+from .structs import LIGHT, LIGHT_COUNTS
+from .views import MAX_HALF_ANGLE, View, directional_views, point_views, spot_views
+
+Bounds = tuple[np.ndarray, np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class LightSet:
+    """Lights in the order directional, spot, point, packed as WGSL's `Light`.
+
+    views: of all shadow maps; layer i of the shadow maps is views[i].  light_of_view: its light's index.
+    first_layer: of each light.  total_flux: (lights, 3), lm or W: what each sends into its views, an upper bound of what
+    the scene can reflect.
+    """
+
+    lights: list[Light]
+    packed: np.ndarray
+    counts: np.ndarray
+    views: list[View]
+    light_of_view: list[int]
+    total_flux: np.ndarray
+
+    def layers_of(self, light: int) -> list[int]:
+        """Shadow-map layers of light number `light`."""
+        return [layer for layer, index in enumerate(self.light_of_view) if index == light]
+
+
+def light_set(lights: list[Light], bounds: Bounds, resolution: int) -> LightSet:
+    """Pack the lights that have shadow maps; area lights are not among them (`unsupported` names them).
+
+    Raises DeviceError when their shadow maps need more layers than an array has.
+    """
+    kinds = (DirectionalLight, SpotLight, PointLight)
+    ordered = [light for kind in kinds for light in lights if isinstance(light, kind)]
+    packed = LIGHT.array(max(1, len(ordered)))
+    views: list[View] = []
+    owners: list[int] = []
+    for index, light in enumerate(ordered):
+        made = _views_of(light, bounds, resolution)
+        packed[index] = _pack(light, made, len(views) + 1, resolution)[0]
+        views += made
+        owners += [index] * len(made)
+    if len(views) > DEFAULT_LIMITS["max-texture-array-layers"]:
+        raise DeviceError(
+            f"{len(ordered)} lights need {len(views)} shadow maps; {DEFAULT_LIMITS['max-texture-array-layers']} is the "
+            "most (a point light needs six). Use fewer lights."
+        )
+    counts = [sum(isinstance(light, kind) for light in ordered) for kind in kinds]
+    table = LIGHT_COUNTS.pack(directional=counts[0], spot=counts[1], point=counts[2])
+    flux = np.array([_total_flux(light, v) for light, v in zip(ordered, _grouped(views, owners), strict=True)])
+    return LightSet(ordered, packed, table, views, owners, flux.reshape(-1, 3))
+
+
+def unsupported(lights: list[Light]) -> list[Light]:
+    """Lights that shadow maps cannot serve."""
+    return [light for light in lights if isinstance(light, AreaLight)]
+
+
+def _grouped(views: list[View], owners: list[int]) -> list[list[View]]:
+    return [[v for v, o in zip(views, owners, strict=True) if o == owner] for owner in sorted(set(owners))]
+
+
+def _views_of(light: Light, bounds: Bounds, resolution: int) -> list[View]:
+    if isinstance(light, DirectionalLight):
+        return directional_views(light, bounds, resolution)
+    if isinstance(light, SpotLight):
+        return spot_views(light, bounds, resolution)
+    assert isinstance(light, PointLight)
+    return point_views(light, bounds, resolution)
+
+
+def _unit(direction: np.ndarray) -> np.ndarray:
+    return direction / np.linalg.norm(direction)
+
+
+def _pack(light: Light, views: list[View], first_view: int, resolution: int) -> np.ndarray:
+    # Texels of a directional map are oblong: the larger edge decides the shadow offset.
+    texel = 2.0 * max(float(np.linalg.norm(views[0].right)), float(np.linalg.norm(views[0].up))) / resolution
+    values = {"position": (0, 0, 0), "direction": (0, 0, 0), "cos_outer": 0.0, "cone_slope": 0.0}
+    if isinstance(light, DirectionalLight | SpotLight):
+        values["direction"] = _unit(np.asarray(light.direction, dtype=np.float64))
+    if isinstance(light, PointLight | SpotLight):
+        values["position"] = light.position
+    if isinstance(light, SpotLight):
+        outer = min(light.outer_angle, MAX_HALF_ANGLE)
+        values["cos_outer"] = cos(outer)
+        values["cone_slope"] = 1.0 / max(0.001, cos(min(light.inner_angle, outer)) - cos(outer))
+    color = light.illuminance if isinstance(light, DirectionalLight) else light.intensity  # type: ignore[union-attr]
+    return LIGHT.pack(color=color, texel=texel, view=first_view, **values)
+
+
+def _total_flux(light: Light, views: list[View]) -> np.ndarray:
+    """Flux of the light through its views: at most this can be reflected, since albedos are at most 1."""
+    if isinstance(light, DirectionalLight):
+        area = 4.0 * float(np.linalg.norm(views[0].right) * np.linalg.norm(views[0].up))
+        return np.asarray(light.illuminance) * area
+    assert isinstance(light, PointLight | SpotLight)
+    return np.asarray(light.intensity) * 4.0 * pi

@@ -1,0 +1,20 @@
+"""The frame's structs, declared once for NumPy and WGSL."""
+
+from ..gpu.layout import Struct
+
+# A camera or a light's face. The ray of pixel (x, y) starts at origin + x origin_dx + y origin_dy and runs along
+# direction + x direction_dx + y direction_dy, whose part along the view's axis has length 1. size: pixels across.
+VIEW = Struct(
+    "View", view_projection="mat4x4f", origin="vec3f", size="f32", origin_dx="vec3f", perspective="u32",
+    origin_dy="vec3f", light="u32", direction="vec3f", direction_dx="vec3f", direction_dy="vec3f",
+)  # fmt: skip
+# color: candela, or lux for directional lights. texel: width of a shadow texel in metres, per metre of depth where the
+# view is a perspective. cos_outer and cone_slope are a spot's; a slope of 0 is no cone.
+LIGHT = Struct(
+    "Light", position="vec3f", view="u32", direction="vec3f", texel="f32", color="vec3f", cos_outer="f32",
+    cone_slope="f32",
+)  # fmt: skip
+LIGHT_COUNTS = Struct("LightCounts", directional="u32", spot="u32", point="u32")
+# A texel of an RSM as a light: position and normal (octahedral) in world space; flux it reflects (lm or W).
+VPL = Struct("Vpl", position="vec3f", normal="u32", flux="vec3f", padding="f32")
+COMPOSITE = Struct("CompositeSettings", background="vec3f", exposure="f32")

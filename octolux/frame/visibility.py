@@ -1,0 +1,86 @@
+"""Rasterisation: which triangle is nearest, for the camera and for every face of every light. It writes triangle
+numbers; what the surface is like there is worked out later, only where it is needed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..gpu.bindings import storage
+from ..gpu.device import Device
+from ..gpu.passes import RasterPass
+from ..gpu_scene.clusters import CLUSTER_TRIANGLES
+from ..gpu_scene.gpu_scene import BUCKETS, MASKED, SINGLE_SIDED, GpuScene
+from .shader_values import surface_values
+from .structs import VIEW
+from .views import View
+
+
+@dataclass(frozen=True, eq=False)
+class DrawList:
+    """For each view and bucket a run (first, count) of the common list of visible items."""
+
+    runs: list[list[tuple[int, int]]]
+    entries: np.ndarray
+
+    @property
+    def clusters(self) -> int:
+        return len(self.entries)
+
+
+def draw_list(scene: GpuScene, views: list[View], cull: bool = True) -> DrawList:
+    """What each view draws: items whose boxes it may see, in a fixed order, so that every run gives the same bits."""
+    runs, parts, first = [], [], 0
+    for number, view in enumerate(views):
+        of_view = []
+        for items in scene.visible_items(view.view_projection, cull):
+            parts.append(np.stack([items, np.full_like(items, number)], axis=1))
+            of_view.append((first, len(items)))
+            first += len(items)
+        runs.append(of_view)
+    entries = np.concatenate(parts) if parts else np.zeros((0, 2), np.uint32)
+    return DrawList(runs, entries)
+
+
+class VisibilityPass:
+    """Draws the scene into depth maps and, where asked, triangle numbers (r32uint, 0 = nothing).
+
+    Variants by alpha mask, culling of back faces (cameras only: a light is stopped by both sides) and ids are built
+    when first used.
+    """
+
+    def __init__(self, device: Device, scene: GpuScene):
+        self.device, self.scene = device, scene
+        self._variants: dict[tuple[bool, bool, bool], RasterPass] = {}
+
+    def _variant(self, masked: bool, cull: bool, ids: bool) -> RasterPass:
+        key = (masked, cull, ids)
+        if key not in self._variants:
+            self._variants[key] = RasterPass(
+                self.device, "visibility", "frame/visibility.wgsl", [storage("drawn", "vec2u"), storage("views", VIEW)],
+                structs=[VIEW], shared=self.scene.bindings, color_format="r32uint" if ids else None,
+                fragment=masked or ids, cull=cull, masked=masked, writes_id=ids, **surface_values(self.scene),
+            )  # fmt: skip
+        return self._variants[key]
+
+    def draw(
+        self, stage: Any, draws: DrawList, view: int, buffers: dict[str, Any], depth: Any, ids: Any | None, camera: bool
+    ) -> None:
+        """Draw view number `view` of `draws` into `depth` and `ids` (texture views). buffers: `drawn` and `views`."""
+        colors = [{"view": ids, "load_op": "clear", "store_op": "store", "clear_value": (0, 0, 0, 0)}] if ids else []
+        encoder = stage.begin_render_pass(
+            "visibility",
+            color_attachments=colors,
+            depth_stencil_attachment={
+                "view": depth, "depth_clear_value": 0.0, "depth_load_op": "clear", "depth_store_op": "store",
+            },
+        )  # fmt: skip
+        for bucket in range(BUCKETS):
+            first, count = draws.runs[view][bucket]
+            if count:
+                masked, cull = bool(bucket & MASKED), camera and bool(bucket & SINGLE_SIDED)
+                self._variant(masked, cull, ids is not None).bind(encoder, self.scene.resources, **buffers)
+                encoder.draw(3 * CLUSTER_TRIANGLES, count, 0, first)
+        encoder.end()

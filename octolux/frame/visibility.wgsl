@@ -1,0 +1,60 @@
+// Draws cluster after cluster and writes which triangle is nearest: item and triangle, plus one; 0 is nothing.
+{{ use("shaders/surface.wgsl") }}
+
+struct Corner {
+    @builtin(position) position: vec4f,
+    @location(0) @interpolate(flat) id: u32,
+    {% if masked %}
+    @location(1) uv: vec2f,
+    @location(2) @interpolate(flat) material: u32,
+    {% endif %}
+}
+
+@vertex
+fn vertex(@builtin(vertex_index) vertex_index: u32, @builtin(instance_index) index: u32) -> Corner {
+    let item_index = drawn[index].x;
+    let item = items[item_index];
+    let triangle = vertex_index / 3u;
+    var corner: Corner;
+    if triangle >= item.triangle_count {
+        corner.position = vec4f(0.0, 0.0, 0.0, 1.0); // three times the same point: nothing is drawn
+        return corner;
+    }
+    let instance = instances[item.instance];
+    var k = vertex_index % 3u;
+    if instance.flipped == 1u { k = (3u - k) % 3u; } // a mirrored triangle keeps its front
+    let vertex = vertices[indices[3u * (item.first_triangle + triangle) + k]];
+    corner.position = views[drawn[index].y].view_projection * vec4f(to_world(instance, vertex.position), 1.0);
+    corner.id = (item_index << CLUSTER_BITS | triangle) + 1u;
+    {% if masked %}
+    corner.uv = vertex.uv;
+    corner.material = instance.material;
+    {% endif %}
+    return corner;
+}
+
+{% if masked %}
+fn discard_if_masked(corner: Corner) {
+    let dx = dpdx(corner.uv);
+    let dy = dpdy(corner.uv);
+    let material = materials[corner.material];
+    if material_base_color(material, corner.uv, dx, dy).a < material.alpha_cutoff { discard; }
+}
+{% endif %}
+
+{% if writes_id %}
+@fragment
+fn fragment(corner: Corner) -> @location(0) u32 {
+    {% if masked %}
+    discard_if_masked(corner);
+    {% endif %}
+    return corner.id;
+}
+{% else %}
+@fragment
+fn fragment(corner: Corner) {
+    {% if masked %}
+    discard_if_masked(corner);
+    {% endif %}
+}
+{% endif %}

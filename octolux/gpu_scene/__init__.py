@@ -1,0 +1,1 @@
+"""The scene on the device: geometry in clusters, materials, textures by size class. Updated when the scene changes."""

@@ -1,0 +1,152 @@
+"""Scenes made from scenes: placed elsewhere, thinned out, stripped of textures, put together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from .animation import Track
+from .cameras import Camera, look_at
+from .geometry import flat, tangents, unit
+from .lights import AreaLight, DirectionalLight, Light, PointLight, Vector
+from .materials import Material
+from .meshes import Mesh
+from .scene import Environment, Scene
+
+
+def placed(scene: Scene, matrix: np.ndarray) -> Scene:
+    """The scene moved as a whole by `matrix`, float64 (4, 4), invertible.
+
+    Lights and cameras move along; light keeps its strength (candela, lux, nits) whatever the scale, as in glTF. Tracks
+    of instances are left out, with a warning, unless the matrix is the identity: they act in the world.
+    """
+    if np.array_equal(matrix, np.eye(4)):
+        return scene
+    kept = [track for track in scene.tracks if track.target != "instance"]
+    warnings = list(scene.warnings)
+    if len(kept) < len(scene.tracks):
+        warnings.append(f"'{scene.name}': the animation of its objects is left out, for the model is moved")
+    return replace(
+        scene,
+        instances=[replace(i, transform=matrix @ i.transform) for i in scene.instances],
+        lights=[_placed_light(light, matrix) for light in scene.lights],
+        cameras=[_placed_camera(camera, matrix) for camera in scene.cameras],
+        tracks=[_placed_track(track, matrix) for track in kept],
+        warnings=warnings,
+    )
+
+
+def without(scene: Scene, patterns: Iterable[str]) -> Scene:
+    """The scene without the instances whose own, mesh's or material's name matches a pattern (exact, or a glob as in
+    fnmatch, case-sensitive), and without meshes and materials that nothing uses then.
+
+    Raises LookupError with the pattern when one matches nothing.
+    """
+    dropped: set[int] = set()
+    for pattern in patterns:
+        found = {number for number, names in enumerate(_names(scene)) if any(matches(n, pattern) for n in names)}
+        if not found:
+            raise LookupError(pattern)
+        dropped |= found
+    if not dropped:
+        return scene
+    return _pruned(replace(scene, instances=[i for n, i in enumerate(scene.instances) if n not in dropped]))
+
+
+def droppable_names(scene: Scene) -> list[str]:
+    """The names that `without` looks at."""
+    return list(dict.fromkeys(name for names in _names(scene) for name in names if name))
+
+
+def matches(name: str, pattern: str) -> bool:
+    """Whether `name` is `pattern` or matches it as a glob; names with brackets in them can be given as they are."""
+    return name == pattern or fnmatchcase(name, pattern)
+
+
+def flat_shaded(scene: Scene) -> Scene:
+    """The scene with geometric normals: each triangle has its own three vertices and its face's normal."""
+    return replace(scene, meshes=[_flat_mesh(mesh) for mesh in scene.meshes])
+
+
+def untextured(material: Material) -> Material:
+    """The material without its textures; the factors beside them stay."""
+    return replace(material, base_color_texture=None, metallic_roughness_texture=None, normal_texture=None,
+                   emissive_texture=None)
+
+
+def combined(scenes: Iterable[Scene], name: str = "") -> Scene:
+    """All of the scenes in one. Environment and exposure are those of the first scene that has any."""
+    result = Scene(name=name)
+    for scene in scenes:
+        meshes, materials = len(result.meshes), len(result.materials)
+        result.meshes += [replace(m, material=m.material + materials) for m in scene.meshes]
+        result.instances += [replace(i, mesh=i.mesh + meshes) for i in scene.instances]
+        for target, source in ((result.materials, scene.materials), (result.lights, scene.lights),
+                               (result.cameras, scene.cameras), (result.tracks, scene.tracks),
+                               (result.warnings, scene.warnings)):
+            target += source  # type: ignore[operator]
+        if result.environment == Environment():
+            result.environment = scene.environment
+        if result.exposure is None:
+            result.exposure = scene.exposure
+    return result
+
+
+def _names(scene: Scene) -> list[tuple[str, str, str]]:
+    """For each instance its own, its mesh's and its material's name."""
+    meshes = [scene.meshes[i.mesh] for i in scene.instances]
+    return [(i.name, m.name, scene.materials[m.material].name if scene.materials else "")
+            for i, m in zip(scene.instances, meshes, strict=True)]
+
+
+def _pruned(scene: Scene) -> Scene:
+    used = sorted({i.mesh for i in scene.instances})
+    colors = sorted({scene.meshes[m].material for m in used})
+    return replace(
+        scene,
+        meshes=[replace(scene.meshes[m], material=colors.index(scene.meshes[m].material)) for m in used],
+        instances=[replace(i, mesh=used.index(i.mesh)) for i in scene.instances],
+        materials=[scene.materials[c] for c in colors if c < len(scene.materials)],
+    )
+
+
+def _flat_mesh(mesh: Mesh) -> Mesh:
+    positions, normals, uvs, indices = flat(mesh.positions, mesh.uvs, mesh.indices)
+    along = tangents(positions, normals, uvs, indices)
+    return replace(mesh, positions=positions, normals=normals, uvs=uvs, tangents=along, indices=indices)
+
+
+def _point(matrix: np.ndarray, point) -> Vector:
+    x, y, z = (matrix[:3, :3] @ np.asarray(point, dtype=np.float64) + matrix[:3, 3]).tolist()
+    return x, y, z
+
+
+def _direction(matrix: np.ndarray, direction) -> Vector:
+    x, y, z = unit((matrix[:3, :3] @ np.asarray(direction, dtype=np.float64))[None])[0].tolist()
+    return x, y, z
+
+
+def _placed_light(light: Light, matrix: np.ndarray) -> Light:
+    if isinstance(light, DirectionalLight):
+        return replace(light, direction=_direction(matrix, light.direction))
+    if isinstance(light, PointLight):
+        return replace(light, position=_point(matrix, light.position))
+    if isinstance(light, AreaLight):
+        a, b, c, d = (_point(matrix, corner) for corner in light.corners)
+        # A mirrored quadrilateral would shine to its other side.
+        return replace(light, corners=(a, b, c, d) if np.linalg.det(matrix[:3, :3]) > 0 else (a, d, c, b))
+    return replace(light, position=_point(matrix, light.position), direction=_direction(matrix, light.direction))
+
+
+def _placed_camera(camera: Camera, matrix: np.ndarray) -> Camera:
+    position, forward = np.array(_point(matrix, camera.position)), np.array(_direction(matrix, camera.forward))
+    up = _direction(matrix, camera.transform[:3, 1])
+    return replace(camera, transform=look_at(position, position + forward, up))
+
+
+def _placed_track(track: Track, matrix: np.ndarray) -> Track:
+    move = {"position": _point, "look_at": _point, "direction": _direction}.get(track.property)
+    return track if move is None else replace(track, values=np.array([move(matrix, v) for v in track.values]))

@@ -1,0 +1,23 @@
+// The metallic-roughness BRDF of glTF 2.0, appendix B; the reference and its sources are simulator/brdf.py.
+{{ use("shaders/gbuffer.wgsl") }}
+
+fn diffuse_albedo(s: Surface) -> vec3f { return s.base_color * (1.0 - s.metallic); }
+
+// f(l, v), 1/sr; all vectors unit length.
+fn brdf(s: Surface, l: vec3f, v: vec3f) -> vec3f {
+    let alpha = pow(max(s.roughness, {{ min_roughness }}), 2.0);
+    let square = alpha * alpha;
+    let h = normalize(l + v);
+    let n_l = max(dot(s.normal, l), 0.0);
+    let n_v = max(dot(s.normal, v), 0.0);
+    let n_h = max(dot(s.normal, h), 0.0);
+    let grazing = pow(1.0 - saturate(dot(v, h)), 5.0);
+    let weight = s.specular * (1.0 - s.metallic);
+    let f0 = mix(vec3f({{ dielectric_f0 }} * s.specular), s.base_color, s.metallic);
+    let fresnel = f0 + (weight + s.metallic - f0) * grazing;
+    let spread = n_h * n_h * (square - 1.0) + 1.0;
+    let distribution = square / ({{ pi }} * spread * spread);
+    let smith = n_l * sqrt(square + (1.0 - square) * n_v * n_v) + n_v * sqrt(square + (1.0 - square) * n_l * n_l);
+    let visibility = select(0.5 / smith, 0.0, smith <= 0.0);
+    return (1.0 - fresnel) * diffuse_albedo(s) / {{ pi }} + fresnel * distribution * visibility;
+}

@@ -1,0 +1,68 @@
+// Material textures: a reference says layer, size class and wrap modes (gpu_scene/textures.py). Gradients are explicit,
+// so this runs in compute shaders and in any control flow.
+
+const NO_TEXTURE = 0u;
+
+fn wrapped(x: f32, mode: u32) -> f32 {
+    let mirrored = 1.0 - abs(1.0 - (x - 2.0 * floor(0.5 * x)));
+    return select(select(x, mirrored, mode == 1u), clamp(x, 0.0, 1.0), mode == 2u);
+}
+{% for space, edges in (("srgb", srgb_edges), ("linear", linear_edges)) %}
+{% if edges %}
+fn sample_{{ space }}(reference: u32, uv_in: vec2f, dx: vec2f, dy: vec2f) -> vec4f {
+    let layer = reference & 255u;
+    {% if wraps %}
+    // Half a texel from the edge keeps the repeating sampler from reaching across it.
+    var uv = vec2f(wrapped(uv_in.x, (reference >> 12u) & 3u), wrapped(uv_in.y, (reference >> 14u) & 3u));
+    {% else %}
+    let uv = uv_in;
+    {% endif %}
+    {% if edges|length == 1 %}
+    return textureSampleGrad({{ space }}_{{ edges[0] }}, material_sampler, uv, layer, dx, dy);
+    {% else %}
+    var texel = vec4f(1.0);
+    switch (reference >> 8u) & 15u {
+        {% for edge in edges %}
+        case {{ loop.index0 }}u: {
+            texel = textureSampleGrad({{ space }}_{{ edge }}, material_sampler, uv, layer, dx, dy);
+        }
+        {% endfor %}
+        default: {}
+    }
+    return texel;
+    {% endif %}
+}
+{% endif %}
+{% endfor %}
+
+{% macro textured(slot, space) %}
+{% if slot in slots %}
+    if material.{{ slot }} != NO_TEXTURE { texel = sample_{{ space }}(material.{{ slot }}, uv, dx, dy); }
+{% endif %}
+{% endmacro %}
+fn material_base_color(material: Material, uv: vec2f, dx: vec2f, dy: vec2f) -> vec4f {
+    var texel = vec4f(1.0);
+    {{ textured("base_color_texture", "srgb") }}
+    return vec4f(material.base_color, material.alpha) * texel;
+}
+
+// (roughness, metallic)
+fn material_roughness_metallic(material: Material, uv: vec2f, dx: vec2f, dy: vec2f) -> vec2f {
+    var texel = vec4f(1.0);
+    {{ textured("metallic_roughness_texture", "linear") }}
+    return vec2f(material.roughness, material.metallic) * texel.yz;
+}
+
+fn material_emissive(material: Material, uv: vec2f, dx: vec2f, dy: vec2f) -> vec3f {
+    var texel = vec4f(1.0);
+    {{ textured("emissive_texture", "srgb") }}
+    return material.emissive * texel.rgb;
+}
+
+// Tangent-space normal, not normalised; (0, 0, 1) without a normal map.
+fn material_normal(material: Material, uv: vec2f, dx: vec2f, dy: vec2f) -> vec3f {
+    var texel = vec4f(0.5, 0.5, 1.0, 1.0);
+    {{ textured("normal_texture", "linear") }}
+    let n = texel.xyz * 2.0 - 1.0;
+    return vec3f(n.xy * material.normal_scale, n.z);
+}

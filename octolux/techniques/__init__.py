@@ -1,0 +1,17 @@
+"""The registry of techniques. Adding one is adding a folder and one line here."""
+
+from __future__ import annotations
+
+from .baselines import Constant, NoTechnique
+from .lpv.uniform.technique import UniformLpv
+from .settings import SettingsError, suggest
+from .technique import Technique
+
+TECHNIQUES: dict[str, type[Technique]] = {t.name: t for t in (NoTechnique, Constant, UniformLpv)}
+
+
+def technique_class(name: str) -> type[Technique]:
+    """The technique of that name. Raises SettingsError that names the nearest."""
+    if name not in TECHNIQUES:
+        raise SettingsError(f"There is no technique '{name}'. {suggest(name, TECHNIQUES)}")
+    return TECHNIQUES[name]

@@ -1,0 +1,1 @@
+"""What all light propagation volumes share: cells, injection, propagation, lookup."""

@@ -1,0 +1,70 @@
+// One propagation step (CLPV 3.3; variants and their derivation: simulator/lpv/propagation.py).
+//
+// A step has 30 faces a cell, but their lobes share few directions: flux is summed into one total and one vector for each
+// channel and made a lobe once. Loads are what the step costs on a CPU, so a thread does {{ block|join(" x ") }} cells, which
+// share neighbours, and cells are stored as half floats where the format says so.
+
+{{ use("techniques/lpv/cells.wgsl") }}
+
+fn cell_index(cell: vec3i) -> u32 { return u32(cell.x + {{ n }} * (cell.y + {{ n }} * cell.z)); }
+
+{% if format == "f16" %}
+fn load(cell: vec3i, channel: u32) -> vec4f {
+    let packed = cells_in[3u * cell_index(cell) + channel];
+    return vec4f(unpack2x16float(packed.x), unpack2x16float(packed.y));
+}
+{% else %}
+fn load(cell: vec3i, channel: u32) -> vec4f { return cells_in[3u * cell_index(cell) + channel]; }
+{% endif %}
+
+{% set axes = {"x": "w", "y": "y", "z": "z"} %}
+{% macro within(x) %}{% if clamped %}max(0.0, {{ x }}){% else %}{{ x }}{% endif %}{% endmacro %}
+{# Flux that cell `key` receives from the neighbour with emission e when light travels along `sign` `axis`. #}
+{% macro receive(key, axis, sign) %}
+    {
+        let along = {{ sign }} * e.{{ axes[axis] }};
+        let far = {{ outside_far }} * e.x + {{ within(far0 ~ " * e.x + " ~ far_d ~ " * along") }};
+        let base = {{ side0 }} * e.x + {{ side_d }} * along;
+        let outside = {{ outside_side }} * e.x;
+        var sides = 0.0;
+        {% for other in "xyz" if other != axis %}
+        {
+            let across = {{ side_s }} * e.{{ axes[other] }};
+            let up = outside + {{ within("base + across") }};
+            let down = outside + {{ within("base - across") }};
+            sides += up + down;
+            vector_{{ key }}.{{ other }} += {{ side_across }} * (up - down);
+        }
+        {% endfor %}
+        total_{{ key }} += far + sides;
+        vector_{{ key }}.{{ axis }} += {{ sign }} * (far{% if side_along %} + {{ side_along }} * sides{% endif %});
+    }
+{% endmacro %}
+
+@compute @workgroup_size({{ workgroup }})
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let base = vec3i(id) * vec3i({{ block|join(", ") }});
+    if any(base >= vec3i({{ n }})) { return; }
+    for (var channel = 0u; channel < 3u; channel++) {
+        {% for cell in block_cells %}
+        var total_{{ loop.index0 }} = 0.0;
+        var vector_{{ loop.index0 }} = vec3f(0.0);
+        {% endfor %}
+        {% for source in sources %}
+        {% if source.guard %}if {{ source.guard }} {% endif %}{
+            let e = load(base + vec3i({{ source.offset|join(", ") }}), channel);
+            {% for use in source.uses %}
+            {{ receive(use.cell, use.axis, use.sign) }}
+            {% endfor %}
+        }
+        {% endfor %}
+        {% for cell in block_cells %}
+        {
+            let index = 3u * cell_index(base + vec3i({{ cell|join(", ") }})) + channel;
+            let c = vec4f({{ lobe0 }} * total_{{ loop.index0 }}, {{ lobe1 }} * vector_{{ loop.index0 }}.yzx);
+            light[index] += c;
+            store(index, to_emission(c));
+        }
+        {% endfor %}
+    }
+}

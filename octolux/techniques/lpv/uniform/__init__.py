@@ -1,0 +1,1 @@
+"""The uniform light propagation volume."""

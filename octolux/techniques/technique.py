@@ -1,0 +1,47 @@
+"""The interface of every technique: one way of computing indirect light."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any, ClassVar
+
+from ..frame.frame import Frame
+from ..gpu.device import Device
+from .settings import Settings
+
+
+class Technique(ABC):
+    """Refreshes its light cache (`update`), then shades: sets `frame.irradiance` and `frame.specular`.
+
+    name: for `--technique`.  summary: one line for people.  needs: shared things it reads ("rsm").
+    supports: what it handles ("dynamic geometry", "dynamic lights", "glossy", ...).
+    """
+
+    name: ClassVar[str]
+    summary: ClassVar[str]
+    settings_class: ClassVar[type[Settings]]
+    needs: ClassVar[frozenset[str]] = frozenset()
+    supports: ClassVar[frozenset[str]] = frozenset()
+
+    def __init__(self, device: Device, settings: Settings):
+        self.device, self.settings = device, settings
+
+    @abstractmethod
+    def prepare(self, frame: Frame) -> None:
+        """Allocate for this scene and size; does nothing when all is there."""
+
+    @abstractmethod
+    def update(self, frame: Frame) -> None:
+        """Refresh the light cache from this frame's lights and scene."""
+
+    @abstractmethod
+    def shade(self, frame: Frame) -> None:
+        """Write irradiance before albedo (rgba32float, ambient visibility in alpha) for what the camera sees."""
+
+    def debug_views(self) -> dict[str, Any]:
+        """Name -> NumPy array of what the cache holds, for looking into it."""
+        return {}
+
+    def memory(self) -> dict[str, int]:
+        """Bytes by resource that this technique holds."""
+        return {}
