@@ -10,7 +10,7 @@ import numpy as np
 
 from .animation import Track
 from .cameras import Camera, look_at
-from .geometry import flat, tangents, unit
+from .geometry import flat, tangents
 from .lights import AreaLight, DirectionalLight, Light, PointLight, Vector
 from .materials import Material
 from .meshes import Mesh
@@ -84,10 +84,11 @@ def combined(scenes: Iterable[Scene], name: str = "") -> Scene:
         meshes, materials = len(result.meshes), len(result.materials)
         result.meshes += [replace(m, material=m.material + materials) for m in scene.meshes]
         result.instances += [replace(i, mesh=i.mesh + meshes) for i in scene.instances]
-        for target, source in ((result.materials, scene.materials), (result.lights, scene.lights),
-                               (result.cameras, scene.cameras), (result.tracks, scene.tracks),
-                               (result.warnings, scene.warnings)):
-            target += source  # type: ignore[operator]
+        result.materials += scene.materials
+        result.lights += scene.lights
+        result.cameras += scene.cameras
+        result.tracks += scene.tracks
+        result.warnings += scene.warnings
         if result.environment == Environment():
             result.environment = scene.environment
         if result.exposure is None:
@@ -125,7 +126,7 @@ def _point(matrix: np.ndarray, point) -> Vector:
 
 
 def _direction(matrix: np.ndarray, direction) -> Vector:
-    x, y, z = unit((matrix[:3, :3] @ np.asarray(direction, dtype=np.float64))[None])[0].tolist()
+    x, y, z = (matrix[:3, :3] @ np.asarray(direction, dtype=np.float64)).tolist()
     return x, y, z
 
 
@@ -143,8 +144,14 @@ def _placed_light(light: Light, matrix: np.ndarray) -> Light:
 
 def _placed_camera(camera: Camera, matrix: np.ndarray) -> Camera:
     position, forward = np.array(_point(matrix, camera.position)), np.array(_direction(matrix, camera.forward))
-    up = _direction(matrix, camera.transform[:3, 1])
-    return replace(camera, transform=look_at(position, position + forward, up))
+    scale = float(abs(np.linalg.det(matrix[:3, :3]))) ** (1.0 / 3.0)
+    height = camera.orthographic_height
+    return replace(
+        camera,
+        transform=look_at(position, position + forward, _direction(matrix, camera.transform[:3, 1])),
+        near=camera.near * scale,
+        orthographic_height=None if height is None else height * scale,
+    )
 
 
 def _placed_track(track: Track, matrix: np.ndarray) -> Track:

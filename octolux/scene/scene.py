@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from .cameras import Camera
 from .lights import Light
 from .materials import Color, Material
 from .meshes import Instance, Mesh
+from .motion import moved_camera, moved_instance, moved_light
 
 
 @dataclass(frozen=True)
@@ -58,3 +59,21 @@ class Scene:
         if not np.isfinite(low).all():
             return np.zeros(3), np.zeros(3)
         return low, high
+
+    def at(self, time: float) -> Scene:
+        """The scene as it is at `time` seconds: every track evaluated, none left. Shares meshes and materials.
+
+        Before its first and after its last keyframe a track holds. A track whose object is missing does nothing.
+        """
+        values = {(t.target, t.name, t.property): t.at(time) for t in self.tracks}
+
+        def of(target: str, name: str) -> dict[str, np.ndarray]:
+            return {key[2]: value for key, value in values.items() if key[:2] == (target, name)}
+
+        return replace(
+            self,
+            instances=[moved_instance(i, of("instance", i.name)) for i in self.instances],
+            lights=[moved_light(light, of("light", light.name)) for light in self.lights],
+            cameras=[moved_camera(camera, of("camera", camera.name)) for camera in self.cameras],
+            tracks=[],
+        )
