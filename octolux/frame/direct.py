@@ -21,7 +21,7 @@ class DirectLightPass:
             [
                 storage("views", VIEW), storage("lights", LIGHT), uniform("counts", LIGHT_COUNTS),
                 texture("surface_map", "uint"), texture("depth_map"), texture("shadow_maps", "depth", "2d-array"),
-                sampler("shadow_sampler", "comparison"), storage_texture("direct_out", "rgba32float"),
+                sampler("shadow_sampler", "non-filtering"), storage_texture("direct_out", "rgba32float"),
             ],
             structs=[VIEW, LIGHT, LIGHT_COUNTS], shadows=True, **CONSTANTS,
         )  # fmt: skip

@@ -19,7 +19,7 @@ fn main(@builtin(global_invocation_id) pixel: vec3u) {
     for (var i = 0u; i < counts.directional; i++) {
         let light = lights[i];
         let l = -light.direction;
-        let shadow = lit_fraction(light.view, position, s.geometric_normal, l, light.texel);
+        let shadow = lit_fraction(light.view, position, s.geometric_normal, light.texel);
         radiance += brdf(s, l, v) * directional_illuminance(light) * max(dot(s.normal, l), 0.0)
             * select(0.0, shadow, dot(s.geometric_normal, l) > 0.0);
     }
@@ -28,7 +28,7 @@ fn main(@builtin(global_invocation_id) pixel: vec3u) {
         let to_light = light.position - position;
         let l = normalize(to_light);
         let footprint = light.texel * -dot(to_light, light.direction);
-        let shadow = lit_fraction(light.view, position, s.geometric_normal, l, footprint) * spot_attenuation(light, l);
+        let shadow = lit_fraction(light.view, position, s.geometric_normal, footprint) * spot_attenuation(light, l);
         radiance += brdf(s, l, v) * point_illuminance(light, to_light) * max(dot(s.normal, l), 0.0)
             * select(0.0, shadow, dot(s.geometric_normal, l) > 0.0);
     }
@@ -40,7 +40,7 @@ fn main(@builtin(global_invocation_id) pixel: vec3u) {
         let a = abs(to_light);
         let footprint = light.texel * max(a.x, max(a.y, a.z));
         let face = light.view + cube_face(-to_light);
-        let shadow = lit_fraction(face, position, s.geometric_normal, l, footprint);
+        let shadow = lit_fraction(face, position, s.geometric_normal, footprint);
         radiance += brdf(s, l, v) * point_illuminance(light, to_light) * max(dot(s.normal, l), 0.0)
             * select(0.0, shadow, dot(s.geometric_normal, l) > 0.0);
     }

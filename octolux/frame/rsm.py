@@ -45,5 +45,5 @@ class RSMPass:
         with frame.profiler.stage("RSM surfaces") as stage:
             self._pass.run(
                 stage, (resolution, resolution, layers), frame.gpu_scene.resources, views=frame.buffers["views"],
-                lights=frame.buffers["lights"], shadow_ids=shadow_maps.id_array(), vpls=frame.vpls,
+                lights=frame.buffers["lights"], shadow_ids=shadow_maps.ids, vpls=frame.vpls,
             )  # fmt: skip

@@ -16,9 +16,7 @@ class ShadowMapPass:
         self.device, self.visibility = device, visibility
         self.depth: Any = None
         self.ids: Any = None
-        self.sampler = device.wgpu.create_sampler(
-            mag_filter="linear", min_filter="linear", compare="greater-equal"
-        )  # reverse z: lit where the receiver is at least as near as what the map holds
+        self.sampler = device.wgpu.create_sampler()  # nearest: the four depths are compared one by one
 
     def _layers(self, texture: Any, label: str, format: str, layers: int, resolution: int) -> Any:
         if texture is not None and texture.size == (resolution, resolution, layers):
@@ -31,15 +29,12 @@ class ShadowMapPass:
         self.depth = self._layers(self.depth, "shadow maps", "depth32float", layers, resolution)
         if ids:
             self.ids = self._layers(self.ids, "shadow-map triangles", "r32uint", layers, resolution)
-        frame.shadow_maps = self.depth.create_view(dimension="2d-array")
+        frame.shadow_maps = self.depth
         if not frame.lights.views:
             return
         buffers = {name: frame.buffers[name] for name in ("drawn", "views")}
         with frame.profiler.stage("RSM rendering" if ids else "shadow maps") as stage:
             for layer in range(len(frame.lights.views)):
-                depth = self.depth.create_view(dimension="2d", base_array_layer=layer, array_layer_count=1)
-                id_view = self.ids.create_view(dimension="2d", base_array_layer=layer, array_layer_count=1) if ids else None
+                one = {"dimension": "2d", "base_array_layer": layer, "array_layer_count": 1}
+                depth, id_view = self.depth.create_view(**one), self.ids.create_view(**one) if ids else None
                 self.visibility.draw(stage, frame.draws, layer + 1, buffers, depth, id_view, False)
-
-    def id_array(self) -> Any:
-        return self.ids.create_view(dimension="2d-array")

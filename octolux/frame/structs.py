@@ -4,9 +4,10 @@ from ..gpu.layout import Struct
 
 # A camera or a light's face. The ray of pixel (x, y) starts at origin + x origin_dx + y origin_dy and runs along
 # direction + x direction_dx + y direction_dy, whose part along the view's axis has length 1. size: pixels across.
+# depth_scale: the depth map holds depth_scale / depth (near) in a perspective, and falls by depth_scale per metre else.
 VIEW = Struct(
     "View", view_projection="mat4x4f", origin="vec3f", size="f32", origin_dx="vec3f", perspective="u32",
-    origin_dy="vec3f", light="u32", direction="vec3f", direction_dx="vec3f", direction_dy="vec3f",
+    origin_dy="vec3f", light="u32", direction="vec3f", depth_scale="f32", direction_dx="vec3f", direction_dy="vec3f",
 )  # fmt: skip
 # color: candela, or lux for directional lights. texel: width of a shadow texel in metres, per metre of depth where the
 # view is a perspective. cos_outer and cone_slope are a spot's; a slope of 0 is no cone.

@@ -30,10 +30,15 @@ class View:
     up: np.ndarray
     forward: np.ndarray
     near: float
-    far: float | None
+    far: float  # of an orthographic view; a perspective has no far plane
     perspective: bool
     width: int
     height: int
+
+    @property
+    def depth_scale(self) -> float:
+        """The depth map holds depth_scale / depth in a perspective; else it falls by depth_scale per metre."""
+        return self.near if self.perspective else 1.0 / (self.far - self.near)
 
     @property
     def view_projection(self) -> np.ndarray:
@@ -46,10 +51,9 @@ class View:
             rows[:, 3] = -rows[:, :3] @ self.position
             rows[2] = [0.0, 0.0, 0.0, self.near]
             return rows
-        far = self.far if self.far is not None else self.near + 1.0
-        rows[2, :3] = -self.forward / (far - self.near)
+        rows[2, :3] = -self.forward * self.depth_scale
         rows[:, 3] = -rows[:, :3] @ self.position
-        rows[2, 3] += far / (far - self.near)
+        rows[2, 3] += self.far * self.depth_scale
         rows[3, 3] = 1.0
         return rows
 
@@ -65,7 +69,7 @@ class View:
             shift = {"origin": self.position + corner, "origin_dx": dx, "origin_dy": dy}
         return VIEW.pack(
             view_projection=self.view_projection.T, size=self.width, perspective=self.perspective, light=light,
-            **spread, **shift,
+            depth_scale=self.depth_scale, **spread, **shift,
         )  # fmt: skip
 
 
@@ -88,7 +92,7 @@ def point_views(light: PointLight, bounds: tuple[np.ndarray, np.ndarray], resolu
     position = np.asarray(light.position, dtype=np.float64)
     faces = zip(CUBE_RIGHT, CUBE_UP, CUBE_FORWARD, strict=True)
     near = _near(bounds)
-    return [View(position, r, u, f, near, None, True, resolution, resolution) for r, u, f in faces]
+    return [View(position, r, u, f, near, np.inf, True, resolution, resolution) for r, u, f in faces]
 
 
 def _frame_of(direction: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -105,7 +109,7 @@ def spot_views(light: SpotLight, bounds: tuple[np.ndarray, np.ndarray], resoluti
     right, up, forward = _frame_of(np.asarray(light.direction, dtype=np.float64))
     half = tan(min(light.outer_angle, MAX_HALF_ANGLE))
     position = np.asarray(light.position, dtype=np.float64)
-    return [View(position, right * half, up * half, forward, _near(bounds), None, True, resolution, resolution)]
+    return [View(position, right * half, up * half, forward, _near(bounds), np.inf, True, resolution, resolution)]
 
 
 def directional_views(light: DirectionalLight, bounds: tuple[np.ndarray, np.ndarray], resolution: int) -> list[View]:

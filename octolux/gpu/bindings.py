@@ -110,13 +110,18 @@ class BindGroup:
             return kept[1]
         if len(self._groups) >= _KEPT_GROUPS:
             self._groups.clear()
-        entries = [{"binding": i, "resource": _as_entry(r)} for i, r in enumerate(ordered)]
+        pairs = enumerate(zip(self.bindings, ordered, strict=True))
+        entries = [{"binding": i, "resource": _as_entry(binding, r)} for i, (binding, r) in pairs]
         group = device.wgpu.create_bind_group(layout=self.layout(device), entries=entries)
         self._groups[key] = ([weakref.ref(r) for r in ordered], group)
         return group
 
 
-def _as_entry(resource: Any) -> Any:
+def _as_entry(binding: Binding, resource: Any) -> Any:
     if isinstance(resource, wgpu.GPUBuffer):
         return {"buffer": resource, "offset": 0, "size": resource.size}
-    return resource.create_view() if isinstance(resource, wgpu.GPUTexture) else resource
+    if not isinstance(resource, wgpu.GPUTexture):
+        return resource
+    # An array of one layer would be viewed as a plain texture by default.
+    kind = binding.layout.get("texture") or binding.layout["storage_texture"]
+    return resource.create_view(dimension=kind["view_dimension"])

@@ -150,7 +150,7 @@ def nearest(word: str, options: Iterable[str]) -> str:
     """A remedy: the option most like `word`, or all options when there are few, or the first ones."""
     options = list(dict.fromkeys(options))
     folded = {option.lower(): option for option in options}
-    close = difflib.get_close_matches(word.lower(), folded, n=1, cutoff=0.5)
+    close = difflib.get_close_matches(word.lower(), folded, n=1)
     if close:
         return f"perhaps '{folded[close[0]]}' is meant"
     if not options:

@@ -21,18 +21,36 @@ fn cube_face(d: vec3f) -> u32 {
     return select(4u, 5u, d.z < 0.0);
 }
 
-// Fraction of the light that reaches `position`, 2x2 percentage-closer filtering by the comparison sampler.
-// `footprint` is the width of a shadow texel there. The filter reaches one texel to each side, sqrt(2) texels along
-// its diagonal; on a plane whose normal is at angle t to the light the depth varies by footprint * sqrt(2) * tan(t) over
-// it, and a move by d along the normal clears d / cos(t): d = sqrt(2) * footprint * sin(t) is just enough. A 64th of a
-// texel covers the rounding of depths where the surface faces the light.
-fn lit_fraction(view_index: u32, position: vec3f, normal: vec3f, l: vec3f, footprint: f32) -> f32 {
-    let cosine = dot(normal, l);
-    let sine = sqrt(saturate(1.0 - cosine * cosine));
-    let receiver = position + normal * (1.41421356 * footprint * max(sine, 0.015625));
-    let clip = views[view_index].view_projection * vec4f(receiver, 1.0);
+// Fraction of the light that reaches `position`: 2x2 percentage-closer filtering. Each of the four texels is compared with
+// the depth that the receiver's own plane has at that texel's centre, so that the plane never shadows itself, however it
+// is slanted; depth is affine across the map for a perspective (near / depth) as well as an orthographic view.
+// The normal-offset bias is a quarter of a texel: a texel holds one sample for its whole square, so what lies within half
+// of that, on average a quarter, of the receiver's plane cannot be told from it. It also covers the rasteriser's snapping
+// of vertices to 1/256 texel.
+fn lit_fraction(view_index: u32, position: vec3f, normal: vec3f, footprint: f32) -> f32 {
+    let view = views[view_index];
+    let receiver = position + normal * (0.25 * footprint);
+    let clip = view.view_projection * vec4f(receiver, 1.0);
     let ndc = clip.xyz / clip.w;
-    let uv = ndc.xy * vec2f(0.5, -0.5) + 0.5;
-    return textureSampleCompareLevel(shadow_maps, shadow_sampler, uv, view_index - 1u, ndc.z);
+    let texel = (ndc.xy * vec2f(0.5, -0.5) + 0.5) * view.size - 0.5;
+    // Change of depth from texel to texel along the plane; held where the plane is seen edge-on and hardly lit.
+    var slope: vec2f;
+    if view.perspective == 1u {
+        let from_light = receiver - view.origin;
+        let away = max(-dot(normal, from_light), 1e-3 * length(from_light));
+        slope = -vec2f(dot(normal, view.direction_dx), dot(normal, view.direction_dy)) / away;
+    } else {
+        let away = max(-dot(normal, view.direction), 1e-3);
+        slope = -vec2f(dot(normal, view.origin_dx), dot(normal, view.origin_dy)) / away;
+    }
+    let low = floor(texel);
+    let weight = texel - low;
+    let nearest = textureGather(shadow_maps, shadow_sampler, (low + 1.0) / view.size, view_index - 1u);
+    let left_right = vec2f(-weight.x, 1.0 - weight.x) * (slope.x * view.depth_scale);
+    let up_down = vec2f(-weight.y, 1.0 - weight.y) * (slope.y * view.depth_scale);
+    // A gather's order: lower left, lower right, upper right, upper left. Reverse z: larger is nearer.
+    let plane = ndc.z + left_right.xyyx + up_down.yyxx;
+    let lit = select(vec4f(0.0), vec4f(1.0), plane >= nearest);
+    return mix(mix(lit.w, lit.z, weight.x), mix(lit.x, lit.y, weight.x), weight.y);
 }
 {% endif %}

@@ -16,11 +16,11 @@ from ..scene import Scene
 from .shapes import box, quads
 
 WHITE, RED, GREEN = range(3)
-LAMP = (0.0, 1.75, 0.0)
+LAMP = (0.0, 1.75, 0.2)
 CANDELA = 60.0
 """As a household lamp of 750 lumen (4 pi times as much)."""
 
-METERED_LUMINANCE = 5.0
+METERED_LUMINANCE = 4.0
 """Nits, what a meter at the camera shows without the spot on the ceiling just above the lamp."""
 
 

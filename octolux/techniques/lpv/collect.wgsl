@@ -9,7 +9,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     for (var channel = 0u; channel < 3u; channel++) {
         let first = 12u * cell + 4u * channel;
         let fixed = vec4i(sums[first], sums[first + 1u], sums[first + 2u], sums[first + 3u]);
-        if fixed.x != 0 {
+        if any(fixed != vec4i(0)) {
             let light = injected[3u * cell + channel] + vec4f(fixed) * source.to_intensity[channel];
             injected[3u * cell + channel] = light;
             largest = max(largest, light.x);

@@ -18,9 +18,9 @@ class UniformLpvSettings(Settings):
         source="CLPV 6, OLPV 5.2",
     )  # fmt: skip
     iterations: int = setting(
-        32, meaning="propagation steps k", unit="steps", allowed=[0, 256],
+        16, meaning="propagation steps k", unit="steps", allowed=[0, 256],
         cost="time is proportional; light travels at most a cell a step, so fewer leave far surfaces dark",
-        source="CLPV 3.3 (Iterations)",
+        source="CLPV 3.3 (Iterations), OLPV 6.3",
     )  # fmt: skip
     evaluation: str = setting(
         "dominant_lobe", meaning="how a cell's intensity is read when it sends light on", unit="",
