@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image as Pillow
+from toml_files import load_text, write_model
 
 from octolux.data import data_folder
 
@@ -32,6 +34,14 @@ def picture(tmp_path):
         return tmp_path / name
 
     return write
+
+
+@pytest.fixture
+def toml(tmp_path, picture):
+    """Loads a TOML scene from its text; the model of toml_files.py lies beside it."""
+    write_model(tmp_path)
+    picture("wood.png", (200, 150, 100))
+    return partial(load_text, tmp_path)
 
 
 class GltfBuilder:
