@@ -23,7 +23,7 @@ SUN: Color = (66_000.0, 60_000.0, 50_000.0)
 SKY: Color = (2_600.0, 3_600.0, 5_400.0)
 """Nits: a clear blue sky."""
 
-METERED_LUMINANCE = 1_000.0
+METERED_LUMINANCE = 800.0
 """Nits: between the mean of what the hall camera sees (about 1500) and the middle of its shade (about 450)."""
 
 
@@ -41,7 +41,7 @@ def atrium() -> Scene:
         materials=_materials(),
         lights=[DirectionalLight(direction=SUN_DIRECTION, illuminance=SUN, name="sun")],
         cameras=[
-            Camera.look_at((-9.2, 1.9, -1.3), (2.0, 3.35, 0.5), vertical_fov=radians(62), near=0.05, name="hall"),
+            Camera.look_at((-9.3, 1.8, -1.0), (2.0, 3.3, 0.45), vertical_fov=radians(62), near=0.05, name="hall"),
             Camera.look_at((-6.6, 6.35, -3.85), (-0.4, 2.8, 1.1), vertical_fov=radians(62), near=0.05, name="gallery"),
         ],
         environment=Environment(SKY),
@@ -58,7 +58,7 @@ def _materials() -> list[Material]:
     stones = [
         _material("masonry", masonry(1, (0.52, 0.43, 0.32)), 0.9),
         _material("floor", tiles(2, (0.56, 0.50, 0.42), (0.28, 0.16, 0.11)), 0.6),
-        _material("stone", plaster(3, (0.60, 0.54, 0.45)), 0.8),
+        _material("stone", plaster(3, (0.60, 0.54, 0.45), strength=1.2), 0.8),
         _material("plaster", plaster(4, (0.62, 0.55, 0.45), strength=1.5), 0.9),
         _material("wood", plaster(5, (0.16, 0.085, 0.045)), 0.7),
         _material("clay", plaster(6, (0.42, 0.19, 0.11)), 0.9),

@@ -27,7 +27,7 @@ SPRING, UPPER_SPRING = 2.5, 6.75
 ARCH = 0.93
 
 # Colour of the curtain in each bay of the lower storey, from -x to +x; None leaves the bay open.
-CURTAINS_SHADE = (None, RED, None, GREEN, None, BLUE, None, RED)
+CURTAINS_SHADE = (None, None, RED, None, GREEN, None, BLUE, None)
 CURTAINS_SUN = (BLUE, None, RED, None, GREEN, None, RED, None)
 # Colour of the banner in front of each column, at the upper floor.
 BANNERS_SHADE = (None, BLUE, None, RED, None, GREEN, None)
@@ -118,18 +118,30 @@ def _gallery() -> Mesh:
 
 
 def _cloths(sun: bool) -> Iterator[Mesh]:
-    """Curtains from the spring of their arch to just above the floor, and banners over the string course."""
+    """Curtains from the spring of their arch to just above the floor, banners over the string course, their rods."""
     # The sun side is turned about the centre afterwards, which swaps the ends.
     curtains, banners = (CURTAINS_SUN[::-1], BANNERS_SUN[::-1]) if sun else (CURTAINS_SHADE, BANNERS_SHADE)
+    rods = []
     for number, (x, color) in enumerate(zip(_bay_centres(), curtains, strict=True)):
         if color is not None:
             cloth = curtain(2.0 * ARCH, SPRING - 0.12, 6.5, seed=number + 10 * sun, repeats=2.0, gather=0.12,
                             material=color)
             yield moved(cloth, (x, SPRING, -HALF_WIDTH - 0.1), name=f"curtain {number + 1}")
+            rods.append(_beam((x, SPRING, -HALF_WIDTH - 0.1), (BAY / 2 - 0.2, 0.02, 0.02)))
     for number, (x, color) in enumerate(zip(_column_places(), banners, strict=True)):
         if color is not None:
             cloth = curtain(0.85, 2.1, 2.5, seed=number + 50, gather=0.08, material=color)
-            yield moved(cloth, (x, GALLERY + 0.9, -HALF_WIDTH + WALL / 2 + 0.28), name=f"banner {number + 1}")
+            y, z = GALLERY + 0.9, -HALF_WIDTH + WALL / 2 + 0.28
+            yield moved(cloth, (x, y, z), name=f"banner {number + 1}")
+            rods.append(_beam((x, y, z), (0.5, 0.02, 0.02)))
+            # Two brackets carry it, let into the handrail.
+            rods += [_beam((x + side, y, z - 0.21), (0.02, 0.02, 0.23)) for side in (-0.46, 0.46)]
+    yield merge(rods, "rods")
+
+
+def _beam(centre: tuple[float, float, float], half_size: tuple[float, float, float]) -> Mesh:
+    middle, half = np.array(centre), np.array(half_size)
+    return box(middle - half, middle + half, material=WOOD)
 
 
 def _end() -> list[Mesh]:
