@@ -106,7 +106,8 @@ class Renderer:
             self._rsm = RSMPass(self.device, gpu_scene, settings)
             self._passes_of = gpu_scene.version
         lights = light_set(self.scene.lights, gpu_scene.bounds, settings.shadow_resolution)
-        reach = float(np.linalg.norm(gpu_scene.bounds[1] - gpu_scene.bounds[0])) + float(np.linalg.norm(camera.position))
+        low, high = gpu_scene.bounds
+        reach = float(np.linalg.norm(np.maximum(np.abs(low - camera.position), np.abs(high - camera.position))))
         views = [camera_view(camera, *self.targets.size, reach), *lights.views]
         draws = draw_list(gpu_scene, views)
         buffers = self._buffers.upload(lights, views, draws)

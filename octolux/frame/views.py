@@ -79,8 +79,8 @@ def camera_view(camera: Camera, width: int, height: int, far: float) -> View:
     perspective = camera.orthographic_height is None
     half = tan(0.5 * camera.vertical_fov) if perspective else 0.5 * float(camera.orthographic_height or 0.0)
     right, up = rotation[:, 0] * half * width / height, rotation[:, 1] * half
-    near = camera.near if perspective else -far
-    return View(camera.position, right, up, camera.forward, near, far, perspective, width, height)
+    far = max(1.01 * far, 2.0 * camera.near)
+    return View(camera.position, right, up, camera.forward, camera.near, far, perspective, width, height)
 
 
 def _near(bounds: tuple[np.ndarray, np.ndarray]) -> float:

@@ -131,7 +131,8 @@ class Device:
     def write(self, buffer: Any, data: np.ndarray, offset: int = 0) -> None:
         """Write `data` into `buffer`; its bytes are padded with zeros to a multiple of four."""
         raw = np.ascontiguousarray(data).tobytes()
-        self.queue.write_buffer(buffer, offset, raw + bytes(-len(raw) % 4))
+        if raw:  # wgpu refuses to write nothing
+            self.queue.write_buffer(buffer, offset, raw + bytes(-len(raw) % 4))
 
     def texture(
         self, label: str, size: tuple[int, ...], format: str, *, usage: int, mip_levels: int = 1, dimension: str = "2d"
