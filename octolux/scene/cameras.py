@@ -46,7 +46,7 @@ def look_at(position, target, up=(0.0, 1.0, 0.0)) -> np.ndarray:
         raise ValueError("camera position and target are the same point")
     backward /= np.linalg.norm(backward)
     right = np.cross(up, backward)
-    if not np.linalg.norm(right) > 1e-9 * max(np.linalg.norm(up), 1e-300):
+    if not np.linalg.norm(right) > 1e-9 * max(float(np.linalg.norm(up)), 1e-300):
         raise ValueError("camera looks along its up direction")
     right /= np.linalg.norm(right)
     transform = np.eye(4)

@@ -1,4 +1,5 @@
-"""Lights. Directions are those in which light travels, of any length; colours are linear Rec. 709, in the unit named."""
+"""Lights. Directions are those in which light travels, of any length; colours are linear Rec. 709, in the unit
+named."""
 
 from __future__ import annotations
 
