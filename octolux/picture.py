@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import pi
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from .frame.frame import Frame
 from .gpu.device import Device
+from .gpu_scene.clusters import CLUSTER_TRIANGLES
 from .simulator.camera import octahedral_decode, unpack_normals
 
 # Luminance of linear Rec. 709 (ITU-R BT.709-6, 3.2).
@@ -55,6 +57,19 @@ class Picture:
     def mean_luminance(self) -> float:
         """Mean luminance of the picture, nits."""
         return float((self.radiance.astype(np.float64) @ REC709_LUMINANCE).mean())
+
+    @property
+    def energy(self) -> dict[str, float]:
+        """Mean direct and indirect radiance (nits, mean of the channels) of what is seen."""
+        count = max(1, int(self.mask.sum()))
+        means = {name: float(self.layers[name].sum(dtype=np.float64)) / (3 * count) for name in ("direct", "indirect")}
+        return {f"{name}_mean": mean for name, mean in means.items()}
+
+    def save(self, path: str | Path) -> None:
+        """Write a .png or .exr, see output.write_picture. Raises OctoluxError."""
+        from .output import write_picture
+
+        write_picture(self, path)
 
     @cached_property
     def layers(self) -> dict[str, np.ndarray]:
@@ -102,8 +117,6 @@ class Picture:
 
     def _object_ids(self) -> np.ndarray:
         """uint32 (height, width): number of the drawn instance plus one, 0 where nothing is seen."""
-        from .gpu_scene.clusters import CLUSTER_TRIANGLES
-
         item = np.where(self._ids > 0, (self._ids - 1) // CLUSTER_TRIANGLES, 0)
         if not len(self._scene.instance_of_item):
             return np.zeros(item.shape, np.uint32)

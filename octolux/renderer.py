@@ -22,13 +22,13 @@ from .picture import Picture
 from .scene.cameras import Camera
 from .scene.default_camera import default_camera
 from .scene.errors import OctoluxError
+from .scene.exposure import metered_exposure
 from .scene.scene import Scene
 from .simulator.tonemap import exposure_factor
 from .techniques import technique_class
 from .techniques.settings import Settings
 
-# A reflected-light meter's calibration: EV100 = log2(L * 100 / 12.5) (ISO 2720, K = 12.5).
-_METER = 100.0 / 12.5
+_DARKEST = 1e-6  # nits: what a black picture is metered as
 
 
 class Renderer:
@@ -134,7 +134,7 @@ class Renderer:
     def _meter(self, frame: Frame) -> None:
         """Set the exposure from the mean luminance of this frame, and keep it for those that follow."""
         luminance = Picture(self.device, frame, 0.0).mean_luminance()
-        self.exposure = float(np.log2(max(luminance, 1e-6) * _METER))
+        self.exposure = metered_exposure(max(luminance, _DARKEST))
         with self.profiler.frame():
             self._composite.run(frame, self._exposure_factor())
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..gpu.bindings import sampler, storage, storage_texture, texture, uniform
+from ..gpu.bindings import sampler, storage_texture, texture, uniform
 from ..gpu.device import Device
 from ..gpu.passes import ComputePass
 from .frame import Frame
 from .shader_values import CONSTANTS
-from .structs import LIGHT, LIGHT_COUNTS, VIEW
+from .structs import LIGHT, LIGHT_COUNTS, VIEW, lights_binding, views_binding
 
 
 class DirectLightPass:
@@ -19,7 +19,7 @@ class DirectLightPass:
         self._pass = ComputePass(
             device, "direct light", "frame/direct.wgsl",
             [
-                storage("views", VIEW), storage("lights", LIGHT), uniform("counts", LIGHT_COUNTS),
+                views_binding(), lights_binding(), uniform("counts", LIGHT_COUNTS),
                 texture("surface_map", "uint"), texture("depth_map"), texture("shadow_maps", "depth", "2d-array"),
                 sampler("shadow_sampler", "non-filtering"), storage_texture("direct_out", "rgba32float"),
             ],

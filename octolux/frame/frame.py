@@ -13,7 +13,7 @@ from ..gpu.profiler import Profiler
 from ..gpu_scene.gpu_scene import GpuScene
 from ..scene.scene import Scene
 from .lights import LightSet
-from .structs import LIGHT_COUNTS, VIEW
+from .structs import LIGHT, LIGHT_COUNTS, MAX_LIGHTS, MAX_VIEWS, VIEW
 from .views import View
 from .visibility import DrawList
 
@@ -93,25 +93,25 @@ class Frame:
 
 
 class FrameBuffers:
-    """The small buffers that change every frame: views, lights, their counts, what is drawn. They grow when needed."""
+    """The small buffers that change every frame: views, lights, their counts, and what is drawn."""
 
     def __init__(self, device: Device):
         self.device = device
-        self._kept: dict[str, Any] = {}
+        self._kept = {
+            "views": device.uniform("views", VIEW.array(MAX_VIEWS)),
+            "lights": device.uniform("lights", LIGHT.array(MAX_LIGHTS)),
+            "counts": device.uniform("light counts", LIGHT_COUNTS.array(1)),
+            "drawn": device.buffer("drawn clusters", size=1 << 16),
+        }
 
     def upload(self, lights: LightSet, views: list[View], draws: DrawList) -> dict[str, Any]:
-        """Write this frame's contents; returns the buffers by binding name."""
-        owners = [0, *lights.light_of_view]
+        """Write this frame's contents; returns the buffers by binding name. `drawn` grows when it must."""
         packed = VIEW.array(len(views))  # filled in place: np.concatenate would drop the struct's padding
-        for i, (view, owner) in enumerate(zip(views, owners, strict=True)):
+        for i, (view, owner) in enumerate(zip(views, [0, *lights.light_of_view], strict=True)):
             packed[i] = view.pack(owner)[0]
-        contents = {"views": packed, "lights": lights.packed, "drawn": draws.entries}
+        if self._kept["drawn"].size < draws.entries.nbytes:
+            self._kept["drawn"] = self.device.buffer("drawn clusters", size=2 * draws.entries.nbytes)
+        contents = {"views": packed, "lights": lights.packed, "counts": lights.counts, "drawn": draws.entries}
         for name, data in contents.items():
-            buffer = self._kept.get(name)
-            if buffer is None or buffer.size < data.nbytes:
-                self._kept[name] = self.device.buffer(name, size=max(int(data.nbytes * 1.5), 256))
             self.device.write(self._kept[name], data)
-        if "counts" not in self._kept:
-            self._kept["counts"] = self.device.uniform("light counts", LIGHT_COUNTS.array(1))
-        self.device.write(self._kept["counts"], lights.counts)
         return dict(self._kept)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from ..gpu.bindings import storage, storage_texture, texture
+from ..gpu.bindings import storage_texture, texture
 from ..gpu.device import Device
 from ..gpu.passes import ComputePass
 from ..gpu_scene.gpu_scene import GpuScene
 from .frame import Frame
 from .shader_values import CONSTANTS, surface_values
-from .structs import VIEW
+from .structs import VIEW, views_binding
 from .visibility import VisibilityPass
 
 
@@ -22,7 +22,7 @@ class GBufferPass:
             outputs.append(storage_texture("emissive_out", "rgba32float"))
         self._resolve = ComputePass(
             device, "G-buffer", "frame/gbuffer.wgsl",
-            [storage("views", VIEW), texture("visibility", "uint"), *outputs],
+            [views_binding(), texture("visibility", "uint"), *outputs],
             structs=[VIEW], shared=scene.bindings, **CONSTANTS, **surface_values(scene),
         )  # fmt: skip
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..gpu.bindings import storage, storage_rw, texture
+from ..gpu.bindings import storage_rw, texture
 from ..gpu.device import Device
 from ..gpu.passes import ComputePass
 from ..gpu_scene.gpu_scene import GpuScene
 from .frame import Frame, FrameSettings
 from .shader_values import CONSTANTS, surface_values
 from .shadows import ShadowMapPass
-from .structs import LIGHT, VIEW, VPL
+from .structs import LIGHT, VIEW, VPL, lights_binding, views_binding
 
 
 class RSMPass:
@@ -26,7 +26,7 @@ class RSMPass:
         self._pass = ComputePass(
             device, "RSM", "frame/rsm.wgsl",
             [
-                storage("views", VIEW), storage("lights", LIGHT),
+                views_binding(), lights_binding(),
                 texture("shadow_ids", "uint", "2d-array"), storage_rw("vpls", VPL, "write"),
             ],
             structs=[VIEW, LIGHT, VPL], shared=scene.bindings, workgroup=(8, 8, 1), shadows=False,

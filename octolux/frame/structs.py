@@ -1,6 +1,8 @@
 """The frame's structs, declared once for NumPy and WGSL."""
 
+from ..gpu.bindings import Binding, uniform
 from ..gpu.layout import Struct
+from ..gpu.limits import DEFAULT_LIMITS
 
 # A camera or a light's face. The ray of pixel (x, y) starts at origin + x origin_dx + y origin_dy and runs along
 # direction + x direction_dx + y direction_dy, whose part along the view's axis has length 1. size: pixels across.
@@ -19,3 +21,15 @@ LIGHT_COUNTS = Struct("LightCounts", directional="u32", spot="u32", point="u32")
 # A texel of an RSM as a light: position and normal (octahedral) in world space; flux it reflects (lm or W).
 VPL = Struct("Vpl", position="vec3f", normal="u32", flux="vec3f", padding="f32")
 COMPOSITE = Struct("CompositeSettings", background="vec3f", exposure="f32")
+
+# Views and lights are uniform arrays of fixed length: a software adapter reads those several times faster than storage.
+MAX_LIGHTS = DEFAULT_LIMITS["max-texture-array-layers"]  # each has at least one layer of the shadow maps
+MAX_VIEWS = MAX_LIGHTS + 1
+
+
+def views_binding() -> Binding:
+    return uniform("views", f"array<View, {MAX_VIEWS}>")
+
+
+def lights_binding() -> Binding:
+    return uniform("lights", f"array<Light, {MAX_LIGHTS}>")

@@ -14,7 +14,7 @@ from ..gpu.passes import RasterPass
 from ..gpu_scene.clusters import CLUSTER_TRIANGLES
 from ..gpu_scene.gpu_scene import BUCKETS, MASKED, SINGLE_SIDED, GpuScene
 from .shader_values import surface_values
-from .structs import VIEW
+from .structs import VIEW, views_binding
 from .views import View
 
 
@@ -59,7 +59,7 @@ class VisibilityPass:
         key = (masked, cull, ids)
         if key not in self._variants:
             self._variants[key] = RasterPass(
-                self.device, "visibility", "frame/visibility.wgsl", [storage("drawn", "vec2u"), storage("views", VIEW)],
+                self.device, "visibility", "frame/visibility.wgsl", [storage("drawn", "vec2u"), views_binding()],
                 structs=[VIEW], shared=self.scene.bindings, color_format="r32uint" if ids else None,
                 fragment=masked or ids, cull=cull, masked=masked, writes_id=ids, **surface_values(self.scene),
             )  # fmt: skip

@@ -57,7 +57,8 @@ class Settings:
         return dataclasses.asdict(self)
 
 
-def _allowed_text(allowed: Any, unit: str) -> str:
+def allowed_text(allowed: Any, unit: str) -> str:
+    """What a setting may be, for people: `one of a, b` or `0 to 256 (steps)`."""
     if isinstance(allowed, tuple):
         return "one of " + ", ".join(map(str, allowed))
     return f"{allowed[0]} to {allowed[1]}" + (f" ({unit})" if unit else "")
@@ -73,14 +74,17 @@ def _check(field: dataclasses.Field, value: Any) -> None:
         good = allowed[0] <= value <= allowed[1]
     if not good:
         raise SettingsError(
-            f"Setting '{field.name}' is {_allowed_text(allowed, field.metadata['unit'])}, not {value!r}."
+            f"Setting '{field.name}' is {allowed_text(allowed, field.metadata['unit'])}, not {value!r}."
         )
 
 
 def _parse(field: dataclasses.Field, text: str) -> Any:
     kind = type(field.default)
+    if kind is bool:  # bool("false") would be True
+        kind = {"true": True, "false": False}.__getitem__
+        text = text.lower()
     try:
         return kind(text)
-    except ValueError:
-        allowed = _allowed_text(field.metadata["allowed"], field.metadata["unit"])
+    except (ValueError, KeyError):
+        allowed = allowed_text(field.metadata["allowed"], field.metadata["unit"])
         raise SettingsError(f"Setting '{field.name}' is {allowed}, not '{text}'.") from None

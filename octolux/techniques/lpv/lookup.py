@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ...frame.frame import COPY, STORAGE, TEXTURE, Frame
-from ...frame.structs import VIEW
+from ...frame.structs import VIEW, views_binding
 from ...gpu.bindings import sampler, storage, storage_texture, texture, uniform
 from ...gpu.device import Device
 from ...gpu.passes import ComputePass
@@ -39,7 +39,7 @@ class Lookup:
         self._read = ComputePass(
             device, "lookup", "techniques/lpv/lookup.wgsl",
             [
-                storage("views", VIEW), texture("surface_map", "uint"), texture("depth_map"), uniform("grid", GRID),
+                views_binding(), texture("surface_map", "uint"), texture("depth_map"), uniform("grid", GRID),
                 storage("peak", "u32"), *(texture(c, "float", "3d") for c in CHANNELS),
                 sampler("volume_sampler"), storage_texture("irradiance_out", "rgba32float"),
             ],
