@@ -55,7 +55,7 @@ def check_writable(path: Path, suffixes: list[str]) -> None:
         raise OctoluxError(f"{path}: cannot be written. Check the name and the permissions of '{folder}'.")
 
 
-def _replace(path: Path, write: Callable[[Path], None]) -> None:
+def _replace(path: Path, write: Callable[[Path], object]) -> None:
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
     os.close(handle)
     try:

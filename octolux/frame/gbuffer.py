@@ -39,5 +39,6 @@ class GBufferPass:
             outputs["emissive_out"] = t.emissive
         with frame.profiler.stage("G-buffer") as stage:
             self._resolve.run(
-                stage, frame.pixels, frame.gpu_scene.resources, views=frame.buffers["views"], visibility=t.ids, **outputs
-            )
+                stage, frame.pixels, frame.gpu_scene.resources,
+                views=frame.buffers["views"], visibility=t.ids, **outputs,
+            )  # fmt: skip

@@ -21,8 +21,7 @@ class LightSet:
     """Lights in the order directional, spot, point, packed as WGSL's `Light`.
 
     views: of all shadow maps; layer i of the shadow maps is views[i].  light_of_view: its light's index.
-    first_layer: of each light.  total_flux: (lights, 3), lm or W: what each sends into its views, an upper bound of what
-    the scene can reflect.
+    total_flux: (lights, 3), lm or W: what each sends into its views, an upper bound of what the scene can reflect.
     """
 
     lights: list[Light]
@@ -43,7 +42,7 @@ def light_set(lights: list[Light], bounds: Bounds, resolution: int) -> LightSet:
     Raises DeviceError when their shadow maps need more layers than an array has.
     """
     kinds = (DirectionalLight, SpotLight, PointLight)
-    ordered = [light for kind in kinds for light in lights if isinstance(light, kind)]
+    ordered: list[Light] = [light for kind in kinds for light in lights if isinstance(light, kind)]
     packed = LIGHT.array(max(1, len(ordered)))
     views: list[View] = []
     owners: list[int] = []
@@ -107,4 +106,5 @@ def _total_flux(light: Light, views: list[View]) -> np.ndarray:
         area = 4.0 * float(np.linalg.norm(views[0].right) * np.linalg.norm(views[0].up))
         return np.asarray(light.illuminance) * area
     assert isinstance(light, PointLight | SpotLight)
-    return np.asarray(light.intensity) * 4.0 * pi
+    # The RSM's midpoint rule for solid angles (frame/rsm.wgsl) may exceed 4 pi by less than 1 / resolution.
+    return np.asarray(light.intensity) * 4.0 * pi * (1.0 + 1.0 / views[0].width)

@@ -1,4 +1,4 @@
-"""Reflective shadow maps (Dachsbacher and Stamminger 2005): the lit surfaces as VPLs, position, normal, reflected flux."""
+"""Reflective shadow maps (Dachsbacher and Stamminger 2005): the lit surfaces as VPLs."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from .structs import LIGHT, VIEW, VPL, lights_binding, views_binding
 
 class RSMPass:
     """Takes one texel of each block of the shadow maps and makes it a VPL that reflects what the whole block receives:
-    flux = albedo * intensity * solid angle of the block (OLPV 3.3, but the exact solid angle), or albedo * illuminance *
-    its area across a directional light."""
+    flux = albedo * intensity * solid angle of the block (OLPV 3.3), or albedo * illuminance * its area across a
+    directional light."""
 
     def __init__(self, device: Device, scene: GpuScene, settings: FrameSettings):
         self.device, self.settings = device, settings
@@ -29,7 +29,7 @@ class RSMPass:
                 views_binding(), lights_binding(),
                 texture("shadow_ids", "uint", "2d-array"), storage_rw("vpls", VPL, "write"),
             ],
-            structs=[VIEW, LIGHT, VPL], shared=scene.bindings, workgroup=(8, 8, 1), shadows=False,
+            structs=[VIEW, LIGHT, VPL], shared=scene.bindings, shadows=False,
             resolution=settings.rsm_resolution, stride=stride, **CONSTANTS, **surface_values(scene),
         )  # fmt: skip
 

@@ -10,7 +10,7 @@ from .visibility import VisibilityPass
 
 
 class ShadowMapPass:
-    """Draws every light's faces; with `ids` also the triangle numbers that RSMs are made from, in the same rendering."""
+    """Draws every light's faces; with `ids` also, in the same rendering, the triangle numbers RSMs are made from."""
 
     def __init__(self, device: Device, visibility: VisibilityPass):
         self.device, self.visibility = device, visibility

@@ -40,7 +40,8 @@ class Profiler:
     """Times the stages of frames.
 
     `mode` is "timestamps" (GPU clock, frame submitted whole), "fenced" (each stage is submitted alone and waited for,
-    so its wall time is what it cost), or "off". By default timestamps, checked once against the wall clock, else fenced.
+    so its wall time is what it cost), or "off". By default timestamps, checked once against the wall clock, else
+    fenced.
     """
 
     def __init__(self, device: Device, mode: str | None = None):

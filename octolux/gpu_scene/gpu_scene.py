@@ -117,7 +117,7 @@ class GpuScene:
             high.append(boxes[1])
             buckets.append(np.full(len(boxes[0]), self._material_bucket[material]))
         self._instances = self.device.buffer("instances", table)
-        self._items = self.device.buffer("items", np.concatenate(items) if items else ITEM.array(1))  # no padding in ITEM
+        self._items = self.device.buffer("items", np.concatenate(items) if items else ITEM.array(1))
         self._low = np.concatenate(low) if low else np.zeros((0, 3))
         self._high = np.concatenate(high) if high else np.zeros((0, 3))
         self._buckets = np.concatenate(buckets) if buckets else np.zeros(0, np.int64)

@@ -3,27 +3,39 @@
 
 const NO_TEXTURE = 0u;
 
-fn wrapped(x: f32, mode: u32) -> f32 {
+// `rim` is half a texel: the repeating sampler must not reach across the image's edge in the other modes.
+fn wrapped(x: f32, mode: u32, rim: f32) -> f32 {
     let mirrored = 1.0 - abs(1.0 - (x - 2.0 * floor(0.5 * x)));
-    return select(select(x, mirrored, mode == 1u), clamp(x, 0.0, 1.0), mode == 2u);
+    return select(x, clamp(select(x, mirrored, mode == 1u), rim, 1.0 - rim), mode != 0u);
 }
+
+// Half a texel of the coarser of the two mip levels that gradients (dx, dy) lead to in an image of `edge` texels.
+fn texture_rim(edge: f32, dx: vec2f, dy: vec2f) -> f32 {
+    let footprint = edge * max(length(dx), length(dy));
+    return min(0.5 * exp2(ceil(log2(max(footprint, 1.0)))) / edge, 0.5);
+}
+
+{% macro wrap_uv(edge) %}
+{% if wraps %}
+    let rim = texture_rim({{ edge }}.0, dx, dy);
+    let uv = vec2f(wrapped(uv_in.x, (reference >> 12u) & 3u, rim), wrapped(uv_in.y, (reference >> 14u) & 3u, rim));
+{% else %}
+    let uv = uv_in;
+{% endif %}
+{% endmacro %}
 {% for space, edges in (("srgb", srgb_edges), ("linear", linear_edges)) %}
 {% if edges %}
 fn sample_{{ space }}(reference: u32, uv_in: vec2f, dx: vec2f, dy: vec2f) -> vec4f {
     let layer = reference & 255u;
-    {% if wraps %}
-    // Half a texel from the edge keeps the repeating sampler from reaching across it.
-    var uv = vec2f(wrapped(uv_in.x, (reference >> 12u) & 3u), wrapped(uv_in.y, (reference >> 14u) & 3u));
-    {% else %}
-    let uv = uv_in;
-    {% endif %}
     {% if edges|length == 1 %}
+    {{ wrap_uv(edges[0]) }}
     return textureSampleGrad({{ space }}_{{ edges[0] }}, material_sampler, uv, layer, dx, dy);
     {% else %}
     var texel = vec4f(1.0);
     switch (reference >> 8u) & 15u {
         {% for edge in edges %}
         case {{ loop.index0 }}u: {
+            {{ wrap_uv(edge) }}
             texel = textureSampleGrad({{ space }}_{{ edge }}, material_sampler, uv, layer, dx, dy);
         }
         {% endfor %}

@@ -78,7 +78,9 @@ fn hit_triangle(id: u32, ray: Ray, to_right: Ray, down: Ray) -> Hit {
     let ta = unpack_tangent(a.tangent);
     tangent = vec4f(weights.x * ta.xyz + weights.y * unpack_tangent(b.tangent).xyz
         + weights.z * unpack_tangent(c.tangent).xyz, ta.w);
-    tangent = vec4f(direction_to_world(instance, tangent.xyz), tangent.w);
+    // A mirrored instance turns cross(normal, tangent) round, but not what it shows.
+    let handedness = select(tangent.w, -tangent.w, instance.flipped == 1u);
+    tangent = vec4f(direction_to_world(instance, tangent.xyz), handedness);
     {% endif %}
     let outward = normalize(select(n, -n, instance.flipped == 1u));
     return Hit(

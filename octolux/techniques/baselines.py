@@ -33,7 +33,7 @@ class NoTechnique(Technique):
 
 
 _RANGE = [0.0, 1e9]
-_CHANNEL = {"unit": "lx", "allowed": _RANGE, "cost": "none", "source": "the baseline of any irradiance technique"}
+_CHANNEL: dict[str, Any] = {"unit": "lx", "allowed": _RANGE, "cost": "none", "source": "the baseline of any irradiance technique"}
 
 
 @dataclass(frozen=True)

@@ -79,12 +79,10 @@ def _check(field: dataclasses.Field, value: Any) -> None:
 
 
 def _parse(field: dataclasses.Field, text: str) -> Any:
-    kind = type(field.default)
-    if kind is bool:  # bool("false") would be True
-        kind = {"true": True, "false": False}.__getitem__
-        text = text.lower()
+    # bool("false") would be True
+    kind: Any = {"true": True, "false": False}.__getitem__ if field.type == "bool" else type(field.default)
     try:
-        return kind(text)
+        return kind(text.lower())
     except (ValueError, KeyError):
         allowed = allowed_text(field.metadata["allowed"], field.metadata["unit"])
         raise SettingsError(f"Setting '{field.name}' is {allowed}, not '{text}'.") from None

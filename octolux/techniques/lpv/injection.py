@@ -41,7 +41,7 @@ class VplSource:
 
 
 class Injection:
-    """Adds lights' VPLs to `injected`: vec4f [z][y][x][rgb], W/sr; `peak`: the bits of its largest band-0 coefficient."""
+    """Adds lights' VPLs to `injected`: vec4f [z][y][x][rgb], W/sr. `peak` holds its largest band-0 coefficient."""
 
     def __init__(self, device: Device, n: int):
         self.device, self.n = device, n
@@ -74,7 +74,8 @@ class Injection:
         for source, buffer in zip(sources, self._sources, strict=False):
             self.device.write(buffer, source.pack())
             rows = -(-source.count // _ROW)
-            self._inject.run(stage, (min(_ROW, source.count), rows), source=buffer, grid=grid, vpls=vpls, sums=self._sums)
+            threads = (min(_ROW, source.count), rows)
+            self._inject.run(stage, threads, source=buffer, grid=grid, vpls=vpls, sums=self._sums)
             self._collect.run(
                 stage, (self.n**3,), source=buffer, sums=self._sums, injected=self.injected, peak=self.peak
             )

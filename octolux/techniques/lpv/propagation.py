@@ -72,5 +72,6 @@ class Propagation:
         if not iterations:
             return
         threads = tuple(-(-self.n // size) for size in BLOCK)
-        pairs = [{"cells_in": a, "cells_out": b, "light": self.light}, {"cells_in": b, "cells_out": a, "light": self.light}]
-        self._step.run_many(stage, threads, [pairs[i % 2] for i in range(iterations)])
+        forth = {"cells_in": a, "cells_out": b, "light": self.light}
+        back = {"cells_in": b, "cells_out": a, "light": self.light}
+        self._step.run_many(stage, threads, [(forth, back)[i % 2] for i in range(iterations)])

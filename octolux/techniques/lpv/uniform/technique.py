@@ -69,8 +69,8 @@ class UniformLpv(Technique):
         return sources
 
     def _intensity_per_flux(self, frame: Frame, index: int) -> float:
-        """1/pi; in the thesis 1, and for a directional light the flux is I A w with the texel weight w = texel area over
-        cell area (OLPV 3.2.2), so that 1 / cell area is left when ours holds I A times the texel's area."""
+        """1/pi; in the thesis 1. There a directional light's flux is I A w with the texel weight w = texel area over
+        cell area (OLPV 3.2.2): ours holds I A times the texel's area, so 1 / cell area is left."""
         if self.settings.injection == "flux":
             return 1.0 / pi
         assert self.grid is not None
