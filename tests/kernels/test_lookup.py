@@ -13,8 +13,10 @@ import pytest
 import wgpu
 from gpu_tools import one_stage, random_directions
 
-from octolux.frame.frame import TEXTURE
+from octolux.frame.frame import TEXTURE, FrameBuffers
+from octolux.frame.lights import light_set
 from octolux.frame.views import camera_view
+from octolux.frame.visibility import DrawList
 from octolux.scene.cameras import Camera
 from octolux.simulator import sh
 from octolux.simulator.camera import octahedral_decode, octahedral_encode, pack_normals, unpack_normals
@@ -57,8 +59,9 @@ def gbuffer(device) -> SimpleNamespace:
     depth = rng.uniform(0.8, 4.0, (height, width)).astype(np.float32)
     depth[::5, ::7] = 0.0
     view = camera_view(CAMERA, width, height, 10.0)
+    lights, nothing = light_set([], (np.zeros(3), np.ones(3)), 8), DrawList([], np.zeros((0, 2), np.uint32))
     frame = SimpleNamespace(
-        pixels=SIZE, buffers={"views": device.buffer("views", view.pack())},
+        pixels=SIZE, buffers=FrameBuffers(device).upload(lights, [view], nothing),
         targets=SimpleNamespace(
             surface=picture_texture(device, surface, "rgba32uint"), depth=picture_texture(device, depth, "r32float")
         ),
