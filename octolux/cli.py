@@ -40,7 +40,9 @@ def _version(wanted: bool) -> None:
 
 @app.callback()
 def _program(
-    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")] = False,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
 ) -> None:
     """Real-time global illumination: render a scene, and see what each stage costs."""
 
@@ -62,18 +64,34 @@ def _overrides(pairs: list[str]) -> dict[str, str]:
 @app.command()
 def render(
     scene: Annotated[str, typer.Argument(help="A model (.obj .gltf .glb), a TOML scene, or a built-in scene's name.")],
-    technique: Annotated[str, typer.Option(help="How indirect light is computed; `octolux techniques` lists them.")] = "uniform-lpv",
+    technique: Annotated[
+        str, typer.Option(help="How indirect light is computed; `octolux techniques` lists them.")
+    ] = "uniform-lpv",
     preset: Annotated[str, typer.Option(help="The technique's preset.")] = "default",
-    set_: Annotated[list[str], typer.Option("--set", help="A setting of the technique, key=value; repeat for more.")] = [],  # noqa: B006
+    set_: Annotated[
+        list[str], typer.Option("--set", help="A setting of the technique, key=value; repeat for more.")
+    ] = [],  # noqa: B006
     size: Annotated[str, typer.Option(help="Picture size in pixels, WIDTHxHEIGHT.")] = "1280x720",
-    camera: Annotated[str | None, typer.Option(help="The scene's camera, by name or index; the first by default.")] = None,
+    camera: Annotated[
+        str | None, typer.Option(help="The scene's camera, by name or index; the first by default.")
+    ] = None,
     exposure: Annotated[float | None, typer.Option(help="EV100; the scene's, or metered, by default.")] = None,
-    frames: Annotated[int, typer.Option(min=1, help="Render so many frames, all light made anew in each; the last is written.")] = 1,
+    frames: Annotated[
+        int, typer.Option(min=1, help="Render so many frames, all light made anew in each; the last is written.")
+    ] = 1,
     fps: Annotated[float, typer.Option(min=0.001, help="Frames a second, for scenes with keyframes.")] = 24.0,
-    shadow_resolution: Annotated[int, typer.Option(min=16, max=8192, help="Texels along a shadow map's edge.")] = 1024,
-    rsm_resolution: Annotated[int, typer.Option(min=8, max=4096, help="VPLs along the edge of a light's view.")] = 256,
-    adapter: Annotated[str | None, typer.Option(help="Part of a graphics adapter's name; `octolux devices` lists them.")] = None,
-    out: Annotated[list[Path], typer.Option(help="Where to write: .png for display, .exr for all layers; repeatable.")] = [],  # noqa: B006
+    shadow_resolution: Annotated[
+        int, typer.Option(min=16, max=8192, help="Texels along a shadow map's edge.")
+    ] = 1024,
+    rsm_resolution: Annotated[
+        int, typer.Option(min=8, max=4096, help="VPLs along the edge of a light's view.")
+    ] = 256,
+    adapter: Annotated[
+        str | None, typer.Option(help="Part of a graphics adapter's name; `octolux devices` lists them.")
+    ] = None,
+    out: Annotated[
+        list[Path], typer.Option(help="Where to write: .png for display, .exr for all layers; repeatable.")
+    ] = [],  # noqa: B006
     stats: Annotated[Path | None, typer.Option(help="Write times, memory and energy as JSON.")] = None,
 ) -> None:  # fmt: skip
     """Render SCENE and print what each stage cost."""
@@ -154,7 +172,8 @@ def techniques() -> None:
         for field in dataclasses.fields(technique.settings_class):
             about = field.metadata
             allowed = allowed_text(about["allowed"], about["unit"])
-            _out.print(f"  {field.name} = {field.default}: {about['meaning']} ({allowed})", highlight=False, markup=False)
+            line = f"  {field.name} = {field.default}: {about['meaning']} ({allowed})"
+            _out.print(line, highlight=False, markup=False)
             _out.print(f"      cost: {about['cost']}; source: {about['source']}", highlight=False, markup=False)
 
 
@@ -172,7 +191,10 @@ def scenes() -> None:
 @app.command()
 def devices() -> None:
     """List the graphics adapters, best first."""
-    from .gpu.device import adapters
+    from .gpu.device import Device, adapters
 
-    for adapter in adapters():
+    found = adapters()
+    if not found:
+        Device()  # raises the error that says what to install
+    for adapter in found:
         _out.print(adapter.summary, highlight=False)
