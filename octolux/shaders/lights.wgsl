@@ -43,11 +43,12 @@ fn lit_fraction(view_index: u32, position: vec3f, normal: vec3f, footprint: f32)
         let away = max(-dot(normal, view.direction), 1e-3);
         slope = -vec2f(dot(normal, view.origin_dx), dot(normal, view.origin_dy)) / away;
     }
-    let low = floor(texel);
-    let weight = texel - low;
+    // At a map's rim the nearest texels it has, with the plane's depth there: a cube's faces meet without a seam.
+    let low = clamp(floor(texel), vec2f(0.0), vec2f(view.size - 2.0));
+    let weight = saturate(texel - low);
     let nearest = textureGather(shadow_maps, shadow_sampler, (low + 1.0) / view.size, view_index - 1u);
-    let left_right = vec2f(-weight.x, 1.0 - weight.x) * (slope.x * view.depth_scale);
-    let up_down = vec2f(-weight.y, 1.0 - weight.y) * (slope.y * view.depth_scale);
+    let left_right = (low.x - texel.x + vec2f(0.0, 1.0)) * (slope.x * view.depth_scale);
+    let up_down = (low.y - texel.y + vec2f(0.0, 1.0)) * (slope.y * view.depth_scale);
     // A gather's order: lower left, lower right, upper right, upper left. Reverse z: larger is nearer.
     let plane = ndc.z + left_right.xyyx + up_down.yyxx;
     let lit = select(vec4f(0.0), vec4f(1.0), plane >= nearest);
