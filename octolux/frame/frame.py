@@ -13,7 +13,7 @@ from ..gpu.profiler import Profiler
 from ..gpu_scene.gpu_scene import GpuScene
 from ..scene.scene import Scene
 from .lights import LightSet
-from .structs import LIGHT, LIGHT_COUNTS, MAX_LIGHTS, MAX_VIEWS, VIEW
+from .structs import LIGHT, LIGHT_COUNTS, MAX_LIGHTS, MAX_VIEWS, RASTER_VIEW_STRIDE, VIEW
 from .views import View
 from .visibility import DrawList
 
@@ -101,17 +101,23 @@ class FrameBuffers:
             "views": device.uniform("views", VIEW.array(MAX_VIEWS)),
             "lights": device.uniform("lights", LIGHT.array(MAX_LIGHTS)),
             "counts": device.uniform("light counts", LIGHT_COUNTS.array(1)),
+            "raster_views": device.uniform("raster views", np.zeros(MAX_VIEWS * RASTER_VIEW_STRIDE, np.uint8)),
             "drawn": device.buffer("drawn clusters", size=1 << 16),
         }
 
     def upload(self, lights: LightSet, views: list[View], draws: DrawList) -> dict[str, Any]:
         """Write this frame's contents; returns the buffers by binding name. `drawn` grows when it must."""
         packed = VIEW.array(len(views))  # filled in place: np.concatenate would drop the struct's padding
+        raster = np.zeros((len(views), RASTER_VIEW_STRIDE // 4), np.float32)
         for i, (view, owner) in enumerate(zip(views, [0, *lights.light_of_view], strict=True)):
             packed[i] = view.pack(owner)[0]
+            raster[i, :16] = packed[i]["view_projection"].ravel()
         if self._kept["drawn"].size < draws.entries.nbytes:
             self._kept["drawn"] = self.device.buffer("drawn clusters", size=2 * draws.entries.nbytes)
-        contents = {"views": packed, "lights": lights.packed, "counts": lights.counts, "drawn": draws.entries}
+        contents = {
+            "views": packed, "raster_views": raster, "lights": lights.packed, "counts": lights.counts,
+            "drawn": draws.entries,
+        }  # fmt: skip
         for name, data in contents.items():
             self.device.write(self._kept[name], data)
         return dict(self._kept)

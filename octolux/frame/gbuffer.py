@@ -29,10 +29,7 @@ class GBufferPass:
     def run(self, frame: Frame) -> None:
         t = frame.targets
         with frame.profiler.stage("visibility") as stage:
-            buffers = {name: frame.buffers[name] for name in ("drawn", "views")}
-            self.visibility.draw(
-                stage, frame.draws, 0, buffers, t.raster_depth.create_view(), t.ids.create_view(), True
-            )
+            self.visibility.draw(stage, frame, 0, t.raster_depth.create_view(), t.ids.create_view())
         outputs = {"surface_out": t.surface, "depth_out": t.depth}
         if frame.gpu_scene.has_emission:
             t.need_emissive(frame.device)

@@ -32,9 +32,8 @@ class ShadowMapPass:
         frame.shadow_maps = self.depth
         if not frame.lights.views:
             return
-        buffers = {name: frame.buffers[name] for name in ("drawn", "views")}
         with frame.profiler.stage("RSM rendering" if ids else "shadow maps") as stage:
             for layer in range(len(frame.lights.views)):
                 one = {"dimension": "2d", "base_array_layer": layer, "array_layer_count": 1}
                 depth, id_view = self.depth.create_view(**one), self.ids.create_view(**one) if ids else None
-                self.visibility.draw(stage, frame.draws, layer + 1, buffers, depth, id_view, False)
+                self.visibility.draw(stage, frame, layer + 1, depth, id_view)

@@ -11,6 +11,9 @@ VIEW = Struct(
     "View", view_projection="mat4x4f", origin="vec3f", size="f32", origin_dx="vec3f", perspective="u32",
     origin_dy="vec3f", light="u32", direction="vec3f", depth_scale="f32", direction_dx="vec3f", direction_dy="vec3f",
 )  # fmt: skip
+# All that the rasteriser needs of a view; 256 bytes apart, so that one buffer serves all views at dynamic offsets.
+RASTER_VIEW = Struct("RasterView", view_projection="mat4x4f")
+RASTER_VIEW_STRIDE = DEFAULT_LIMITS["min-uniform-buffer-offset-alignment"]
 # color: candela, or lux for directional lights. texel: width of a shadow texel in metres, per metre of depth where the
 # view is a perspective. cos_outer and cone_slope are a spot's; a slope of 0 is no cone.
 LIGHT = Struct(

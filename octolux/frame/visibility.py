@@ -4,18 +4,21 @@ numbers; what the surface is like there is worked out later, only where it is ne
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..gpu.bindings import storage
+from ..gpu.bindings import storage, uniform_window
 from ..gpu.device import Device
 from ..gpu.passes import RasterPass
 from ..gpu_scene.clusters import CLUSTER_TRIANGLES
 from ..gpu_scene.gpu_scene import BUCKETS, MASKED, SINGLE_SIDED, GpuScene
 from .shader_values import surface_values
-from .structs import VIEW, views_binding
+from .structs import RASTER_VIEW, RASTER_VIEW_STRIDE, VIEW
 from .views import View
+
+if TYPE_CHECKING:
+    from .frame import Frame
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,14 +36,14 @@ class DrawList:
 def draw_list(scene: GpuScene, views: list[View], cull: bool = True) -> DrawList:
     """What each view draws: items whose boxes it may see, in a fixed order, so that every run gives the same bits."""
     runs, parts, first = [], [], 0
-    for number, view in enumerate(views):
+    for view in views:
         of_view = []
         for items in scene.visible_items(view.view_projection, cull):
-            parts.append(np.stack([items, np.full_like(items, number)], axis=1))
+            parts.append(items)
             of_view.append((first, len(items)))
             first += len(items)
         runs.append(of_view)
-    entries = np.concatenate(parts) if parts else np.zeros((0, 2), np.uint32)
+    entries = np.concatenate(parts) if parts else np.zeros(0, np.uint32)
     return DrawList(runs, entries)
 
 
@@ -59,16 +62,15 @@ class VisibilityPass:
         key = (masked, cull, ids)
         if key not in self._variants:
             self._variants[key] = RasterPass(
-                self.device, "visibility", "frame/visibility.wgsl", [storage("drawn", "vec2u"), views_binding()],
-                structs=[VIEW], shared=self.scene.bindings, color_format="r32uint" if ids else None,
+                self.device, "visibility", "frame/visibility.wgsl", [storage("drawn", "u32"), uniform_window("view", RASTER_VIEW)],
+                structs=[RASTER_VIEW, VIEW], shared=self.scene.bindings, color_format="r32uint" if ids else None,
                 fragment=masked or ids, cull=cull, masked=masked, writes_id=ids, **surface_values(self.scene),
             )  # fmt: skip
         return self._variants[key]
 
-    def draw(
-        self, stage: Any, draws: DrawList, view: int, buffers: dict[str, Any], depth: Any, ids: Any | None, camera: bool
-    ) -> None:
-        """Draw view number `view` of `draws` into `depth` and `ids` (texture views). buffers: `drawn` and `views`."""
+    def draw(self, stage: Any, frame: Frame, view: int, depth: Any, ids: Any | None) -> None:
+        """Draw view number `view` of the frame (0 is the camera) into `depth` and `ids` (texture views)."""
+        buffers = {"drawn": frame.buffers["drawn"], "view": frame.buffers["raster_views"]}
         colors = [{"view": ids, "load_op": "clear", "store_op": "store", "clear_value": (0, 0, 0, 0)}] if ids else []
         encoder = stage.begin_render_pass(
             "visibility",
@@ -78,9 +80,10 @@ class VisibilityPass:
             },
         )  # fmt: skip
         for bucket in range(BUCKETS):
-            first, count = draws.runs[view][bucket]
+            first, count = frame.draws.runs[view][bucket]
             if count:
-                masked, cull = bool(bucket & MASKED), camera and bool(bucket & SINGLE_SIDED)
-                self._variant(masked, cull, ids is not None).bind(encoder, self.scene.resources, **buffers)
+                masked, cull = bool(bucket & MASKED), view == 0 and bool(bucket & SINGLE_SIDED)
+                variant = self._variant(masked, cull, ids is not None)
+                variant.bind(encoder, self.scene.resources, [view * RASTER_VIEW_STRIDE], **buffers)
                 encoder.draw(3 * CLUSTER_TRIANGLES, count, 0, first)
         encoder.end()

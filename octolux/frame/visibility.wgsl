@@ -12,7 +12,7 @@ struct Corner {
 
 @vertex
 fn vertex(@builtin(vertex_index) vertex_index: u32, @builtin(instance_index) index: u32) -> Corner {
-    let item_index = drawn[index].x;
+    let item_index = drawn[index];
     let item = items[item_index];
     let triangle = vertex_index / 3u;
     var corner: Corner;
@@ -24,7 +24,7 @@ fn vertex(@builtin(vertex_index) vertex_index: u32, @builtin(instance_index) ind
     var k = vertex_index % 3u;
     if instance.flipped == 1u { k = (3u - k) % 3u; } // a mirrored triangle keeps its front
     let vertex = vertices[indices[3u * (item.first_triangle + triangle) + k]];
-    corner.position = views[drawn[index].y].view_projection * vec4f(to_world(instance, vertex.position), 1.0);
+    corner.position = view.view_projection * vec4f(to_world(instance, vertex.position), 1.0);
     corner.id = (item_index << CLUSTER_BITS | triangle) + 1u;
     {% if masked %}
     corner.uv = vertex.uv;

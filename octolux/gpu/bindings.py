@@ -20,6 +20,7 @@ class Binding:
     wgsl: str
     access: str
     layout: dict[str, Any] = field(hash=False)
+    window: int = 0  # bytes that are seen of a buffer which is bound at a dynamic offset; 0 is all of it
 
 
 def _type_name(kind: str | Struct) -> str:
@@ -28,6 +29,12 @@ def _type_name(kind: str | Struct) -> str:
 
 def uniform(name: str, kind: str | Struct) -> Binding:
     return Binding(name, f"var<uniform> {name}: {_type_name(kind)};", "read", {"buffer": {"type": "uniform"}})
+
+
+def uniform_window(name: str, kind: Struct) -> Binding:
+    """One element of a buffer whose elements lie 256 bytes apart; which one is said when it is bound."""
+    layout = {"buffer": {"type": "uniform", "has_dynamic_offset": True, "min_binding_size": kind.size}}
+    return Binding(name, f"var<uniform> {name}: {kind.name};", "read", layout, kind.size)
 
 
 def storage(name: str, kind: str | Struct) -> Binding:
@@ -119,7 +126,7 @@ class BindGroup:
 
 def _as_entry(binding: Binding, resource: Any) -> Any:
     if isinstance(resource, wgpu.GPUBuffer):
-        return {"buffer": resource, "offset": 0, "size": resource.size}
+        return {"buffer": resource, "offset": 0, "size": binding.window or resource.size}
     if not isinstance(resource, wgpu.GPUTexture):
         return resource
     # An array of one layer would be viewed as a plain texture by default.

@@ -41,8 +41,10 @@ class _Pass:
     def _bindings(self) -> Iterable[Binding]:
         return (*self.own.bindings, *(self.shared.bindings if self.shared else ()))
 
-    def _bind(self, encoder: Any, resources: dict[str, Any], shared: dict[str, Any] | None) -> None:
-        encoder.set_bind_group(0, self.own.group(self.device, resources))
+    def _bind(
+        self, encoder: Any, resources: dict[str, Any], shared: dict[str, Any] | None, offsets: Sequence[int] = ()
+    ) -> None:
+        encoder.set_bind_group(0, self.own.group(self.device, resources), offsets)
         if self.shared:
             encoder.set_bind_group(1, self.shared.group(self.device, shared or {}))
 
@@ -104,7 +106,9 @@ class RasterPass(_Pass):
             fragment=stage if fragment or color_format else None,
         )
 
-    def bind(self, encoder: Any, shared: dict[str, Any] | None = None, **resources: Any) -> None:
-        """Make this the current pipeline of the render pass `encoder`."""
+    def bind(
+        self, encoder: Any, shared: dict[str, Any] | None = None, offsets: Sequence[int] = (), **resources: Any
+    ) -> None:
+        """Make this the current pipeline of the render pass `encoder`. offsets: bytes, of the windows in order."""
         encoder.set_pipeline(self.pipeline)
-        self._bind(encoder, resources, shared)
+        self._bind(encoder, resources, shared, offsets)

@@ -5,13 +5,15 @@ fn diffuse_albedo(s: Surface) -> vec3f { return s.base_color * (1.0 - s.metallic
 
 // f(l, v), 1/sr; all vectors unit length.
 fn brdf(s: Surface, l: vec3f, v: vec3f) -> vec3f {
-    let alpha = pow(max(s.roughness, {{ min_roughness }}), 2.0);
+    let roughness = max(s.roughness, {{ min_roughness }});
+    let alpha = roughness * roughness;
     let square = alpha * alpha;
     let h = normalize(l + v);
     let n_l = max(dot(s.normal, l), 0.0);
     let n_v = max(dot(s.normal, v), 0.0);
     let n_h = max(dot(s.normal, h), 0.0);
-    let grazing = pow(1.0 - saturate(dot(v, h)), 5.0);
+    let away = 1.0 - saturate(dot(v, h));
+    let grazing = away * away * away * away * away;
     let weight = s.specular * (1.0 - s.metallic);
     let f0 = mix(vec3f({{ dielectric_f0 }} * s.specular), s.base_color, s.metallic);
     let fresnel = f0 + (weight + s.metallic - f0) * grazing;
