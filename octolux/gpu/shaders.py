@@ -18,7 +18,11 @@ import wgpu
 from ..scene.errors import OctoluxError
 
 PACKAGE = Path(__file__).parent.parent
-_MARK = re.compile(r"[ \t]*//@(\d+):(\d+)$")
+# The last line of a used file also carries the mark of the line that uses it: the first one counts.
+_MARK = re.compile(r"[ \t]*//@(\d+):(\d+)(?:[ \t]*//@\d+:\d+)*[ \t]*$")
+# The compiler names the place after the module's label, or `wgsl` while it parses. Of a fault inside a function it
+# names the function's first line, and underlines the expression.
+_PLACES = (re.compile(r"^ *(\d+) │.*\n[ │]*\^+ naga::ir::Expression", re.M), re.compile(r"┌─ .*:(\d+):\d+"))
 _OPEN, _CLOSE = ("{%", "{{", "{#"), ("%}", "}}", "#}")
 
 
@@ -34,7 +38,7 @@ class Source:
 
     def explain(self, message: str) -> str:
         """The compiler's message with the original file and line in front of it."""
-        match = re.search(r"wgsl:(\d+):(\d+)", message)
+        match = next(filter(None, (place.search(message) for place in _PLACES)), None)
         if not match or not 0 < int(match[1]) <= len(self.origins):
             return message
         file, line = self.origins[int(match[1]) - 1]
