@@ -35,7 +35,8 @@ class Renderer:
     """Renders a scene again and again; what changed in the scene is uploaded before each frame.
 
     scene: octolux.Scene; replace elements of its lists to change it.
-    technique: a name of `octolux techniques`; settings: its settings object, or None for the default preset.
+    technique: a name of `octolux techniques`; preset: one of its presets; settings: values of its settings by name,
+        such as {"n": 64}, or a whole settings object.
     size: (width, height), pixels.  exposure: EV100, or None for the scene's, or else metered from the first frame.
     device: share one between renderers; profile: time each stage (adds a wait per stage where timestamps are wrong).
 
@@ -43,9 +44,10 @@ class Renderer:
     """
 
     def __init__(
-        self, scene: Scene, technique: str = "uniform-lpv", *, settings: Settings | None = None,
-        size: tuple[int, int] = (1280, 720), exposure: float | None = None, device: Device | None = None,
-        profile: bool = False, frame_settings: FrameSettings | None = None,
+        self, scene: Scene, technique: str = "uniform-lpv", *, preset: str = "default",
+        settings: Settings | dict[str, Any] | None = None, size: tuple[int, int] = (1280, 720),
+        exposure: float | None = None, device: Device | None = None, profile: bool = False,
+        frame_settings: FrameSettings | None = None,
     ):  # fmt: skip
         chosen = technique_class(technique)
         self.scene, self.exposure = scene, exposure if exposure is not None else scene.exposure
@@ -60,7 +62,9 @@ class Renderer:
             self._buffers = FrameBuffers(self.device)
             self._direct = DirectLightPass(self.device)
             self._composite = CompositePass(self.device)
-            self.technique = chosen(self.device, settings or chosen.settings_class())
+            if not isinstance(settings, Settings):
+                settings = chosen.settings_class.make(preset, **(settings or {}))
+            self.technique = chosen(self.device, settings)
         self._passes_of = -1
 
     @property

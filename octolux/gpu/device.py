@@ -115,7 +115,10 @@ class Device:
         bytes_needed = max(16, -(-(data.nbytes if data is not None else size) // 16) * 16)
         limit = DEFAULT_LIMITS["max-storage-buffer-binding-size"]
         if bytes_needed > limit:
-            raise DeviceError(f"'{label}' needs {readable(bytes_needed)}; one binding holds {readable(limit)}.")
+            raise DeviceError(
+                f"'{label}' needs {readable(bytes_needed)}; one binding holds {readable(limit)}. "
+                "Use a smaller scene, fewer lights or a lower resolution."
+            )
         usage |= wgpu.BufferUsage.STORAGE | wgpu.BufferUsage.COPY_DST | wgpu.BufferUsage.COPY_SRC
         with self.guard():
             made = self.wgpu.create_buffer(label=label, size=bytes_needed, usage=usage)

@@ -33,7 +33,8 @@ class NoTechnique(Technique):
 
 
 _RANGE = [0.0, 1e9]
-_CHANNEL: dict[str, Any] = {"unit": "lx", "allowed": _RANGE, "cost": "none", "source": "the baseline of any irradiance technique"}
+_SOURCE = "the baseline of any irradiance technique"
+_CHANNEL: dict[str, Any] = {"unit": "lx", "allowed": _RANGE, "cost": "none", "source": _SOURCE}
 
 
 @dataclass(frozen=True)

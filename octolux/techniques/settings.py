@@ -42,16 +42,21 @@ class Settings:
     @classmethod
     def from_strings(cls, preset: str = "default", overrides: dict[str, str] | None = None) -> Self:
         """Settings from a preset and texts such as {"n": "64"}. Raises SettingsError that names the nearest."""
+        fields = {field.name: field for field in dataclasses.fields(cls)}
+        texts = overrides or {}
+        return cls.make(preset, **{k: _parse(fields[k], text) if k in fields else text for k, text in texts.items()})
+
+    @classmethod
+    def make(cls, preset: str = "default", **values: Any) -> Self:
+        """Settings from a preset and values such as n=64. Raises SettingsError that names the nearest."""
         presets = {"default": {}, **cls.PRESETS}
         if preset not in presets:
             raise SettingsError(f"There is no preset '{preset}'. {suggest(preset, presets)}")
-        fields = {field.name: field for field in dataclasses.fields(cls)}
-        values: dict[str, Any] = dict(presets[preset])
-        for name, text in (overrides or {}).items():
+        fields = [field.name for field in dataclasses.fields(cls)]
+        for name in values:
             if name not in fields:
                 raise SettingsError(f"There is no setting '{name}'. {suggest(name, fields or ['(none)'])}")
-            values[name] = _parse(fields[name], text)
-        return cls(**values)
+        return cls(**{**presets[preset], **values})
 
     def as_dict(self) -> dict[str, Any]:
         return dataclasses.asdict(self)
