@@ -139,7 +139,9 @@ def _print_table(statistics: dict[str, Any]) -> None:
 
     width, height = statistics["size"]
     frame = statistics["frame_ms"]
-    table = Table(title=f"{statistics['technique']}, {width}x{height}, {statistics['adapter']}", title_justify="left")
+    title = f"{statistics['technique']}, {width}x{height}, {statistics['adapter']}"
+    _out.print(title, highlight=False, markup=False, soft_wrap=True)
+    table = Table()
     table.add_column("stage")
     for column in ("count", "mean ms", "median ms", "total ms"):
         table.add_column(column, justify="right")

@@ -38,7 +38,10 @@ def _write_exr(picture: Picture, path: Path) -> None:
             channels.update({f"{name}.{s}": data[..., i] for i, s in enumerate(suffixes)})
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     contiguous = {name: np.ascontiguousarray(data) for name, data in channels.items()}
-    OpenEXR.File(header, contiguous).write(str(path))
+    try:
+        OpenEXR.File(header, contiguous).write(str(path))
+    except RuntimeError as error:  # OpenEXR's name for a full disk and the like
+        raise OSError(str(error)) from error
 
 
 WRITERS: dict[str, Callable[[Picture, Path], None]] = {".png": _write_png, ".exr": _write_exr}
