@@ -12,8 +12,9 @@ from ..gpu.bindings import BindGroup, storage
 from ..gpu.device import Device
 from ..scene.materials import Material, Texture
 from ..scene.scene import Scene
+from ..simulator.camera import pack_normals
 from .clusters import Clusters, cluster, visible, world_boxes
-from .packing import pack_tangents, pack_unit_vectors
+from .packing import pack_tangents
 from .structs import INSTANCE, ITEM, MATERIAL, VERTEX
 from .textures import TextureArrays
 
@@ -65,7 +66,7 @@ class GpuScene:
         for mesh, clusters in zip(meshes, self._clusters, strict=True):
             part = vertices[base : base + len(mesh.positions)]
             part["position"], part["uv"] = mesh.positions, mesh.uvs
-            part["normal"], part["tangent"] = pack_unit_vectors(mesh.normals), pack_tangents(mesh.tangents)
+            part["normal"], part["tangent"] = pack_normals(mesh.normals), pack_tangents(mesh.tangents)
             indices.append(clusters.indices.ravel() + np.uint32(base))
             base += len(mesh.positions)
         self._vertices = self.device.buffer("vertices", vertices)

@@ -6,6 +6,7 @@ import numpy as np
 from PIL import Image as PillowImage
 
 from ..scene.materials import Image
+from ..simulator.tonemap import srgb_decode
 
 SIZE_CLASSES = (256, 512, 1024, 2048)
 _LUT_SIZE = 1 << 14  # fine enough that 8-bit sRGB codes survive: its steepest slope is 12.92 codes per linear code
@@ -17,13 +18,8 @@ def size_class(image: Image) -> int:
     return next((size for size in SIZE_CLASSES if size >= longer), SIZE_CLASSES[-1])
 
 
-def _srgb_to_linear(codes: np.ndarray) -> np.ndarray:
-    """IEC 61966-2-1, decoding, for values in [0, 1]."""
-    return np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
-
-
-_DECODE = _srgb_to_linear(np.arange(256) / 255).astype(np.float32)
-_THRESHOLDS = _srgb_to_linear((np.arange(255) + 0.5) / 255)
+_DECODE = srgb_decode(np.arange(256) / 255).astype(np.float32)
+_THRESHOLDS = srgb_decode((np.arange(255) + 0.5) / 255)
 _ENCODE = np.searchsorted(_THRESHOLDS, np.arange(_LUT_SIZE) / (_LUT_SIZE - 1)).astype(np.uint8)
 
 

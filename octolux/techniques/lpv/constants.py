@@ -5,12 +5,13 @@ from __future__ import annotations
 from math import pi, sqrt
 from typing import Any
 
+import numpy as np
+
 from ...gpu.layout import Struct
 from ...simulator import sh
 from ...simulator.grid import Grid
 from ...simulator.lpv import transfer
 
-# scale: what stored numbers are multiplied by; 1 / scale gives W/sr (volumes.wgsl says how it is chosen).
 GRID = Struct("Grid", origin="vec3f", cell_size="f32", n="u32")
 
 SH_CONSTANTS: dict[str, Any] = {
@@ -23,6 +24,11 @@ SH_CONSTANTS: dict[str, Any] = {
 # The rest of a dominant lobe is isotropic; of the lobe a face gets the share max(0, d.m) / sum of max(0, d.m).
 _FAR, _SIDE = transfer.MOMENTS[0, 0], transfer.MOMENTS[0, 1]  # travelling along +x: far face +x, side face +y
 MOMENT_FAR, MOMENT_SIDE_TRAVEL, MOMENT_SIDE_NORMAL = float(_FAR[0]), float(_SIDE[0]), float(_SIDE[1])
+
+
+def storage_scale(peak: float) -> float:
+    """What W/sr are multiplied by for storage, from the largest injected band-0 coefficient (storage_scale.wgsl)."""
+    return float(2.0 ** (3 - np.floor(np.log2(peak)))) if peak > 0 else 1.0
 
 
 def pack_grid(grid: Grid) -> Any:

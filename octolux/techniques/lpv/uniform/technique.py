@@ -12,7 +12,7 @@ from ....gpu.device import Device
 from ....scene.lights import DirectionalLight
 from ....simulator.grid import Grid
 from ...technique import Technique
-from ..constants import GRID, pack_grid
+from ..constants import GRID, pack_grid, storage_scale
 from ..injection import Injection, VplSource
 from ..lookup import Lookup
 from ..propagation import Propagation
@@ -88,6 +88,5 @@ class UniformLpv(Technique):
         def read(buffer: Any) -> np.ndarray:
             return np.frombuffer(self.device.queue.read_buffer(buffer), np.float32).reshape(n, n, n, 3, 4)
 
-        peak = np.frombuffer(self.device.queue.read_buffer(self.injection.peak), np.float32)[0]
-        scale = 1.0 if peak == 0 else 2.0 ** (3 - np.floor(np.log2(peak)))
+        scale = storage_scale(np.frombuffer(self.device.queue.read_buffer(self.injection.peak), np.float32)[0])
         return {"injected": read(self.injection.injected), "accumulated": read(self.propagation.light) / scale}
