@@ -37,6 +37,12 @@ def _encode(linear: np.ndarray, srgb: bool) -> np.ndarray:
     return encoded
 
 
+def _resized(pixels: np.ndarray, size: int) -> np.ndarray:
+    """Each channel alone: Pillow weights the colours of RGBA by alpha, and loses those of what is transparent."""
+    channels = [PillowImage.fromarray(np.ascontiguousarray(pixels[..., i])) for i in range(4)]
+    return np.stack([np.asarray(c.resize((size, size), PillowImage.Resampling.BICUBIC)) for c in channels], axis=-1)
+
+
 def mip_chain(image: Image, size: int, srgb: bool) -> list[np.ndarray]:
     """The image as `size` x `size`, and each half down to 1 x 1: uint8 arrays (edge, edge, 4).
 
@@ -44,7 +50,7 @@ def mip_chain(image: Image, size: int, srgb: bool) -> list[np.ndarray]:
     """
     pixels = image.pixels
     if pixels.shape[:2] != (size, size):
-        pixels = np.asarray(PillowImage.fromarray(pixels, "RGBA").resize((size, size), PillowImage.Resampling.BICUBIC))
+        pixels = _resized(pixels, size)
     levels, linear = [np.ascontiguousarray(pixels)], _decode(pixels, srgb)
     while size > 1:
         size //= 2
