@@ -128,7 +128,8 @@ def render(
 def _frames(renderer: Any, scene: Any, camera: str | None, frames: int, fps: float) -> Any:
     picture = None
     numbers = range(frames)
-    for number in track(numbers, "rendering", console=_notes, transient=True) if frames > 1 else numbers:
+    quiet = frames == 1 or not _notes.is_terminal
+    for number in track(numbers, "rendering", console=_notes, transient=True, disable=quiet):
         renderer.scene = scene.at(number / fps) if scene.tracks else scene
         picture = renderer.render(camera)
     return picture

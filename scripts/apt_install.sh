@@ -20,4 +20,4 @@ fi
 echo "$what is missing: installing $*"
 # One package source out of order need not matter: the installation itself tells.
 $as_root apt-get update -qq </dev/null || true
-$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" </dev/null
+$as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" </dev/null >/dev/null
