@@ -55,8 +55,10 @@ class Picture:
         return self._depth > 0
 
     def mean_luminance(self) -> float:
-        """Mean luminance of the picture, nits."""
-        return float((self.radiance.astype(np.float64) @ REC709_LUMINANCE).mean())
+        """Mean luminance of what is seen, nits: surfaces, and the surroundings unless they are black."""
+        luminance = self.radiance.astype(np.float64) @ REC709_LUMINANCE
+        seen = self.mask | (luminance > 0)
+        return float(luminance[seen].mean()) if seen.any() else 0.0
 
     @property
     def energy(self) -> dict[str, float]:
