@@ -37,7 +37,8 @@ class Picture:
         emissive = t.emissive if frame.gpu_scene.has_emission else None
         self._emissive = self._optional(device, emissive)
         self._ids = device.read_texture(t.ids, np.uint32, 1)[..., 0]
-        self._view, self._scene = frame.views[0], frame.gpu_scene
+        # By the time layers are asked for, the scene may hold other instances.
+        self._view, self._instance_of_item = frame.views[0], frame.gpu_scene.instance_of_item
 
     def _optional(self, device: Device, texture: Any) -> np.ndarray:
         if texture is None:
@@ -120,6 +121,6 @@ class Picture:
     def _object_ids(self) -> np.ndarray:
         """uint32 (height, width): number of the drawn instance plus one, 0 where nothing is seen."""
         item = np.where(self._ids > 0, (self._ids - 1) // CLUSTER_TRIANGLES, 0)
-        if not len(self._scene.instance_of_item):
+        if not len(self._instance_of_item):
             return np.zeros(item.shape, np.uint32)
-        return np.where(self._ids > 0, self._scene.instance_of_item[item] + 1, 0).astype(np.uint32)
+        return np.where(self._ids > 0, self._instance_of_item[item] + 1, 0).astype(np.uint32)
