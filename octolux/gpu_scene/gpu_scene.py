@@ -25,6 +25,7 @@ _SLOTS = (
 # Draw buckets: bit 0 alpha-masked, bit 1 single-sided (its back faces are culled for the camera).
 MASKED, SINGLE_SIDED = 1, 2
 BUCKETS = 4
+_NEVER = (object(),)  # is not what any scene holds, not even an empty one
 
 
 class GpuScene:
@@ -36,8 +37,8 @@ class GpuScene:
     def __init__(self, device: Device):
         self.device = device
         self.version = 0  # grows when the bindings change, so that passes made for them are made anew
-        self._geometry_of: tuple = ()
-        self._placement_of: tuple = ()
+        self._geometry_of: tuple = _NEVER
+        self._placement_of: tuple = _NEVER
         self.bounds = (np.zeros(3), np.zeros(3))
 
     def sync(self, scene: Scene) -> None:
@@ -61,7 +62,7 @@ class GpuScene:
         self._slot_of = {i: slot for slot, i in enumerate(i for i, m in enumerate(scene.meshes) if len(m.indices))}
         self._clear_derived()
         meshes = [m for m in scene.meshes if len(m.indices)]
-        vertices = VERTEX.array(sum(len(m.positions) for m in meshes))
+        vertices = VERTEX.array(max(1, sum(len(m.positions) for m in meshes)))
         indices, base = [], 0
         for mesh, clusters in zip(meshes, self._clusters, strict=True):
             part = vertices[base : base + len(mesh.positions)]
