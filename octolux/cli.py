@@ -49,9 +49,10 @@ def _program(
 
 def _size(text: str) -> tuple[int, int]:
     width, _, height = text.lower().partition("x")
-    if not (width.isdigit() and height.isdigit()):
-        raise OctoluxError(f"--size is WIDTHxHEIGHT in pixels, such as 1280x720, not '{text}'.")
-    return int(width), int(height)
+    try:
+        return int(width), int(height)
+    except ValueError:
+        raise OctoluxError(f"--size is WIDTHxHEIGHT in pixels, such as 1280x720, not '{text}'.") from None
 
 
 def _overrides(pairs: list[str]) -> dict[str, str]:
