@@ -1,0 +1,1 @@
+"""What the issues promise in numbers, measured: `python -m benchmarks` prints every figure beside its bound."""
