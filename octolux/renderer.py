@@ -139,7 +139,8 @@ class Renderer:
         """Set the exposure from the mean luminance of this frame, and keep it for those that follow."""
         luminance = Picture(self.device, frame, 0.0).mean_luminance()
         self.exposure = metered_exposure(max(luminance, _DARKEST))
-        with self.profiler.frame():
+        frame.profiler = Profiler(self.device, "off")  # composing again is no frame of its own
+        with frame.profiler.frame():
             self._composite.run(frame, self._exposure_factor())
 
     def statistics(self) -> dict[str, Any]:

@@ -31,7 +31,7 @@ def texture_bytes(size: tuple[int, int, int], format: str, mip_levels: int = 1, 
 
 
 class MemoryLedger:
-    """Bytes on the device by label. An entry ends when its resource is collected or destroyed."""
+    """Bytes on the device by label. An entry ends when its resource is collected."""
 
     def __init__(self) -> None:
         self._bytes: dict[str, int] = defaultdict(int)

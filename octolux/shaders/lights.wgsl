@@ -23,13 +23,14 @@ fn cube_face(d: vec3f) -> u32 {
 
 // Fraction of the light that reaches `position`: 2x2 percentage-closer filtering. Each of the four texels is compared with
 // the depth that the receiver's own plane has at that texel's centre, so that the plane never shadows itself, however it
-// is slanted; depth is affine across the map for a perspective (near / depth) as well as an orthographic view.
-// The normal-offset bias is a quarter of a texel: a texel holds one sample for its whole square, so what lies within half
-// of that, on average a quarter, of the receiver's plane cannot be told from it. It also covers the rasteriser's snapping
-// of vertices to 1/256 texel.
+// is slanted; depth is affine across the map for a perspective (near / depth) as well as an orthographic view. Where the
+// plane falls away from the light the receiver's own depth is kept: the plane may end there, as at the foot of a wall.
+// What is left for a normal-offset bias is the rasteriser's snapping of vertices to 1/256 texel, which tilts a plane by up
+// to sin(t) / 256 of a texel's width along the normal, and rounding. An eighth of a texel is ample; from 1/64 to 1/4 the
+// mean direct light of the Dabrovic Sponza changes by less than 1 %.
 fn lit_fraction(view_index: u32, position: vec3f, normal: vec3f, footprint: f32) -> f32 {
     let view = views[view_index];
-    let receiver = position + normal * (0.25 * footprint);
+    let receiver = position + normal * (0.125 * footprint);
     let clip = view.view_projection * vec4f(receiver, 1.0);
     let ndc = clip.xyz / clip.w;
     let texel = (ndc.xy * vec2f(0.5, -0.5) + 0.5) * view.size - 0.5;
@@ -51,7 +52,7 @@ fn lit_fraction(view_index: u32, position: vec3f, normal: vec3f, footprint: f32)
     let up_down = (low.y - texel.y + vec2f(0.0, 1.0)) * (slope.y * view.depth_scale);
     // A gather's order: lower left, lower right, upper right, upper left. Reverse z: larger is nearer.
     let plane = ndc.z + left_right.xyyx + up_down.yyxx;
-    let lit = select(vec4f(0.0), vec4f(1.0), plane >= nearest);
+    let lit = select(vec4f(0.0), vec4f(1.0), max(plane, vec4f(ndc.z)) >= nearest);
     return mix(mix(lit.w, lit.z, weight.x), mix(lit.x, lit.y, weight.x), weight.y);
 }
 {% endif %}

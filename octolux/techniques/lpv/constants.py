@@ -28,7 +28,7 @@ MOMENT_FAR, MOMENT_SIDE_TRAVEL, MOMENT_SIDE_NORMAL = float(_FAR[0]), float(_SIDE
 
 def storage_scale(peak: float) -> float:
     """What W/sr are multiplied by for storage, from the largest injected band-0 coefficient (storage_scale.wgsl)."""
-    return float(2.0 ** (3 - np.floor(np.log2(peak)))) if peak > 0 else 1.0
+    return float(2.0 ** np.clip(3 - np.floor(np.log2(peak)), -126, 126)) if peak > 0 else 1.0
 
 
 def pack_grid(grid: Grid) -> Any:

@@ -4,5 +4,5 @@
 
 fn storage_scale(peak_bits: u32) -> f32 {
     if peak_bits == 0u { return 1.0; }
-    return exp2(3.0 - floor(log2(bitcast<f32>(peak_bits))));
+    return exp2(clamp(3.0 - floor(log2(bitcast<f32>(peak_bits))), -126.0, 126.0)); // a normal number, whatever the peak
 }
