@@ -62,7 +62,8 @@ class VisibilityPass:
         key = (masked, cull, ids)
         if key not in self._variants:
             self._variants[key] = RasterPass(
-                self.device, "visibility", "frame/visibility.wgsl", [storage("drawn", "u32"), uniform_window("view", RASTER_VIEW)],
+                self.device, "visibility", "frame/visibility.wgsl",
+                [storage("drawn", "u32"), uniform_window("view", RASTER_VIEW)],
                 structs=[RASTER_VIEW, VIEW], shared=self.scene.bindings, color_format="r32uint" if ids else None,
                 fragment=masked or ids, cull=cull, masked=masked, writes_id=ids, **surface_values(self.scene),
             )  # fmt: skip

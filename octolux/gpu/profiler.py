@@ -16,7 +16,7 @@ from .bindings import storage, storage_rw
 from .device import Device
 from .passes import ComputePass
 
-QUERIES = 4096  # the most a query set may hold (WebGPU, section 20.1): 2048 passes a frame
+QUERIES = 4096  # the most a query set may hold (WebGPU, createQuerySet): 2048 passes a frame
 # Timestamps are trusted when each of some equal passes reports at least half of its share of the wall time, and all
 # together no more than the wall time (but for the resolution of the clocks).
 _TRUSTED, _CLOCK_SLACK = 0.5, 1.05
