@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -102,6 +103,8 @@ def render(
     if stats:
         check_writable(stats, [".json"])
     dimensions, overrides = _size(size), _overrides(set_)
+    if not math.isfinite(fps):
+        raise OctoluxError(f"--fps is a number of frames a second, not {fps}.")
     from .frame.frame import FrameSettings
     from .gpu.device import Device
     from .renderer import Renderer

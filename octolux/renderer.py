@@ -51,6 +51,7 @@ class Renderer:
     ):  # fmt: skip
         chosen = technique_class(technique)
         self.scene, self.exposure = scene, exposure if exposure is not None else scene.exposure
+        _check_exposure(self.exposure)
         base = frame_settings or FrameSettings()
         self.frame_settings = FrameSettings(*size, base.shadow_resolution, base.rsm_resolution)
         _check_size(self.frame_settings)
@@ -126,7 +127,7 @@ class Renderer:
         names = [c.name for c in cameras]
         if isinstance(wanted, str) and wanted in names:
             return cameras[names.index(wanted)]
-        number = 0 if wanted is None else int(wanted) if str(wanted).isdigit() else -1
+        number = 0 if wanted is None else int(wanted) if str(wanted).isdecimal() else -1
         if not 0 <= number < len(cameras):
             known = ", ".join(f"{i} '{name}'" for i, name in enumerate(names))
             raise OctoluxError(f"The scene has no camera '{wanted}'. There are: {known}.")
@@ -157,6 +158,12 @@ class Renderer:
             "timing_note": self.profiler.note,
             "memory_bytes": {"total": self.device.memory.total, **self.device.memory.by_label()},
         }
+
+
+def _check_exposure(exposure: float | None) -> None:
+    """An exposure beyond 2^64 either way is a slip, and would leave float32's range."""
+    if exposure is not None and not abs(exposure) <= 64:
+        raise OctoluxError(f"The exposure is EV100, from about -6 (starlight) to 16 (snow in the sun), not {exposure}.")
 
 
 def _check_size(settings: FrameSettings) -> None:

@@ -25,7 +25,7 @@ _ROW = 1 << 14
 @dataclass(frozen=True, eq=False)
 class VplSource:
     """The VPLs of one light. total_flux: (3,), at least the sum of their flux, lm or W. intensity_per_flux: 1/pi keeps
-    the flux (INDEX item 2)."""
+    the flux (simulator/lpv/injection.py)."""
 
     first: int
     count: int

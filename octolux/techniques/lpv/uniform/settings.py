@@ -25,15 +25,15 @@ class UniformLpvSettings(Settings):
     evaluation: str = setting(
         "dominant_lobe", meaning="how a cell's intensity is read when it sends light on", unit="",
         allowed=("dominant_lobe", "clamped", "signed"),
-        cost="dominant_lobe some 10 % more time; never negative and keeps flux", source="CLPV 3.3; INDEX items 3, 9",
+        cost="dominant_lobe some 10 % more time; never negative and keeps flux", source="CLPV 3.3; ours: simulator/lpv/propagation.py",
     )  # fmt: skip
     reprojection: str = setting(
         "travel", meaning="direction of the lobe that a face's flux becomes", unit="", allowed=("travel", "face"),
-        cost="none; face forgets direction sooner", source="CLPV 3.3; INDEX item 4",
+        cost="none; face forgets direction sooner", source="CLPV 3.3; ours: simulator/lpv/propagation.py",
     )  # fmt: skip
     gain: float = setting(
         1.0, meaning="flux after a step over flux before, signed evaluation", unit="", allowed=[0.0, 2.0],
-        cost="none; 1 conserves energy", source="INDEX item 3",
+        cost="none; 1 conserves energy", source="simulator/lpv/propagation.py",
     )  # fmt: skip
     injection: str = setting(
         "flux", meaning="what a VPL injects: its flux / pi, or the thesis's lobe without 1/pi and with texel weight",
@@ -41,7 +41,7 @@ class UniformLpvSettings(Settings):
     )  # fmt: skip
     reading: str = setting(
         "dominant_lobe", meaning="from intensity to irradiance", unit="", allowed=("dominant_lobe", "paper", "thesis"),
-        cost="none", source="CLPV 3.4; INDEX item 10",
+        cost="none", source="CLPV 3.4; ours: simulator/lpv/lookup.py",
     )  # fmt: skip
     damping: bool = setting(
         False, meaning="derivative damping against bleeding", unit="", allowed=(False, True),
