@@ -18,7 +18,7 @@ from octolux.techniques.lpv.uniform.settings import UniformLpvSettings
 from .lab import device, interleaved, random_directions, read_buffer, submitted
 from .registry import at_least, at_most, figure
 
-N, STEPS, PAIRS = 32, 8, 25
+N, STEPS, PAIRS = 32, 8, 61
 _GATHER = Path(__file__).parent / "baselines" / "propagation_gather.wgsl"
 
 
