@@ -1,4 +1,4 @@
-"""Lookup (volumes.wgsl, lookup.wgsl) against the simulator's, and the two cases known in closed form (simulator/lpv/lookup.py).
+"""Lookup (volumes.wgsl, lookup.wgsl) against the simulator's, and the two cases known in closed form.
 
 The G-buffer is made here: random normals and points, packed as the G-buffer packs them.
 """
@@ -192,7 +192,7 @@ def test_outside_the_volume_is_dark(device):
 
 @pytest.mark.parametrize(("reading", "beam", "furnace"), [("dominant_lobe", 1.0, 1.0), ("paper", 0.955, 1.910)])
 def test_beam_and_furnace(device, reading, beam, furnace):
-    """simulator/lpv/lookup.py: flux F through every cell along d gives E = F / h^2 on a plane across it, and isotropic flux F in
+    """Flux F through every cell along d gives E = F / h^2 on a plane across it, and isotropic flux F in
     every cell F / (6 h^2); the paper's reading has 0.955 and 1.910 of it (3 figures: 5e-4). Half floats: 2^-11."""
     made, g = lookup(device, reading, False, 0.0), gbuffer(device)
     light = np.zeros((N, N, N, 3, 4), np.float32)

@@ -113,7 +113,7 @@ def flux_after(device, made: Propagation, light: np.ndarray, iterations: int) ->
 ])  # fmt: skip
 @pytest.mark.parametrize("steps", [1, 4, 7])
 def test_flux_after_k_steps_is_gain_to_the_k(device, evaluation, reprojection, gain, steps):
-    """simulator/lpv/propagation.py: until light meets the border (8 steps from the centre), signed and dominant lobe keep it."""
+    """Until light meets the border (8 steps from the centre), signed and dominant lobe keep it."""
     made = kernel(device, 16, evaluation, reprojection, gain, "f32")
     # The difference of two sums of about `steps` times the flux, in float32: far below 1e-3.
     np.testing.assert_allclose(flux_after(device, made, centred(steps, "f32"), steps), gain**steps, rtol=1e-3)

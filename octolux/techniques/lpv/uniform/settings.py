@@ -25,7 +25,8 @@ class UniformLpvSettings(Settings):
     evaluation: str = setting(
         "dominant_lobe", meaning="how a cell's intensity is read when it sends light on", unit="",
         allowed=("dominant_lobe", "clamped", "signed"),
-        cost="dominant_lobe some 10 % more time; never negative and keeps flux", source="CLPV 3.3; ours: simulator/lpv/propagation.py",
+        cost="dominant_lobe some 10 % more time; never negative and keeps flux",
+        source="CLPV 3.3; ours: simulator/lpv/propagation.py",
     )  # fmt: skip
     reprojection: str = setting(
         "travel", meaning="direction of the lobe that a face's flux becomes", unit="", allowed=("travel", "face"),
