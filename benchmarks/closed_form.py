@@ -15,7 +15,7 @@ from .registry import at_least, at_most, figure, within
 
 # Light in the middle of 16^3 cells meets the border in the eighth step.
 N, MIDDLE, STEPS = 16, 8, 7
-# What clamping adds to a cosine lobe's first step, by its direction (INDEX item 3: 12 to 14 %, here all directions).
+# What clamping adds to a cosine lobe's first step, by its direction (simulator/lpv/propagation.py, "clamped").
 CLAMPED_GAIN = (0.114, 0.141)
 
 
@@ -35,7 +35,7 @@ def sh_projection() -> float:
 
 @figure("sh_cosine_lobe", group="closed_form", unit="relative", bound=at_most(1e-6))
 def sh_cosine_lobe() -> float:
-    """The clamped cosine's closed form (INDEX item 1) against its projection by quadrature, along and off the axis.
+    """The clamped cosine's closed form (OLPV eq. 7) against its projection by quadrature, along and off the axis.
 
     Off the axis the quadrature meets the cosine's kink, so those are turned from the axis by `sh.rotate`.
     """
@@ -60,7 +60,7 @@ def sh_rotation() -> float:
 
 def step_gain(preset: str) -> float:
     """Flux after a step on the device over flux before. The intensity is nowhere negative, so that clamping changes
-    nothing and the gain is that of the signed evaluation (INDEX item 3)."""
+    nothing and the gain is that of the signed evaluation (simulator/lpv/propagation.py)."""
     light = np.zeros((N, N, N, 3, 4), np.float32)
     light[6:10, 6:10, 6:10] = random_light(4, directed=1 / np.sqrt(3))
     made = preset_propagation(preset, N)

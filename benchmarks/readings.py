@@ -60,7 +60,7 @@ def furnace(preset: str) -> float:
     "paper_beam": within(3 / pi, HALF_FLOAT), "paper_furnace": within(6 / pi, 6 / pi * HALF_FLOAT),
 })  # fmt: skip
 def reading() -> dict[str, float]:
-    """Irradiance read of a beam and of a furnace over the exact one (INDEX item 10), through the device's lookup."""
+    """Irradiance read of a beam and of a furnace over the exact one (simulator/lpv/lookup.py), by the device."""
     return {f"{p}_{case.__name__}": case(p) for p in ("default", "paper") for case in (beam, furnace)}
 
 
