@@ -22,16 +22,16 @@ fn main(@builtin(global_invocation_id) pixel: vec3u) {
     let material = materials[hit.material];
     // Both sides of a surface reflect; the normal is that of the side we see.
     let facing = select(1.0, -1.0, dot(hit.geometric_normal, ray.direction) > 0.0);
-    let roughness_metallic = material_roughness_metallic(material, hit.uv, hit.uv_dx, hit.uv_dy);
+    let roughness_metallic = material_roughness_metallic(material, hit.uv, hit.footprint);
     let surface = Surface(
         facing * mapped_normal(hit, material),
         facing * hit.geometric_normal,
-        material_base_color(material, hit.uv, hit.uv_dx, hit.uv_dy).rgb,
+        material_base_color(material, hit.uv, hit.footprint).rgb,
         roughness_metallic.x, roughness_metallic.y, material.specular,
     );
     textureStore(surface_out, pixel.xy, pack_surface(surface));
     textureStore(depth_out, pixel.xy, vec4f(hit.depth));
     {% if emissive %}
-    textureStore(emissive_out, pixel.xy, vec4f(material_emissive(material, hit.uv, hit.uv_dx, hit.uv_dy), 1.0));
+    textureStore(emissive_out, pixel.xy, vec4f(material_emissive(material, hit.uv, hit.footprint), 1.0));
     {% endif %}
 }

@@ -24,8 +24,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let down = Ray(scale * view.origin_dy, scale * view.direction_dy);
     let hit = hit_triangle(triangle, ray, to_right, down);
     let material = materials[hit.material];
-    let base_color = material_base_color(material, hit.uv, hit.uv_dx, hit.uv_dy).rgb;
-    let metallic = material_roughness_metallic(material, hit.uv, hit.uv_dx, hit.uv_dy).y;
+    let base_color = material_base_color(material, hit.uv, hit.footprint).rgb;
+    let metallic = material_roughness_metallic(material, hit.uv, hit.footprint).y;
     let facing = select(1.0, -1.0, dot(hit.geometric_normal, ray.direction) > 0.0);
 
     // Light that this block of texels receives (lm or W). Its solid angle is area * cos^3 at distance 1 (OLPV 3.3), where

@@ -25,6 +25,7 @@ def surface_values(scene: GpuScene) -> dict[str, Any]:
     return {
         "cluster_bits": CLUSTER_TRIANGLES.bit_length() - 1,
         "srgb_edges": [edge for edge, srgb in classes if srgb],
+        "log2_of": {edge: float(edge.bit_length() - 1) for edge, _ in classes},
         "linear_edges": [edge for edge, srgb in classes if not srgb],
         "slots": scene.used_slots,
         "wraps": scene.has_other_wraps,

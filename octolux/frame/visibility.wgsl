@@ -35,10 +35,9 @@ fn vertex(@builtin(vertex_index) vertex_index: u32, @builtin(instance_index) ind
 
 {% if masked %}
 fn discard_if_masked(corner: Corner) {
-    let dx = dpdx(corner.uv);
-    let dy = dpdy(corner.uv);
+    let footprint = log2_footprint(dpdx(corner.uv), dpdy(corner.uv));
     let material = materials[corner.material];
-    if material_base_color(material, corner.uv, dx, dy).a < material.alpha_cutoff { discard; }
+    if material_base_color(material, corner.uv, footprint).a < material.alpha_cutoff { discard; }
 }
 {% endif %}
 

@@ -6,7 +6,7 @@
 
 const CLUSTER_BITS = {{ cluster_bits }}u;
 
-// Where a ray meets a triangle. uv_dx, uv_dy: change of uv from pixel to pixel.
+// Where a ray meets a triangle. footprint: of the pixel in uv, see log2_footprint.
 struct Hit {
     position: vec3f,
     depth: f32,
@@ -15,8 +15,7 @@ struct Hit {
     normal: vec3f,
     tangent: vec4f,
     uv: vec2f,
-    uv_dx: vec2f,
-    uv_dy: vec2f,
+    footprint: f32,
 }
 
 fn to_world(instance: Instance, p: vec3f) -> vec3f {
@@ -86,15 +85,17 @@ fn hit_triangle(id: u32, ray: Ray, to_right: Ray, down: Ray) -> Hit {
     return Hit(
         position, depth, outward, instance.material, normal_to_world(instance, normal), tangent,
         a.uv + b1 * uv1 + b2 * uv2,
-        uv1 * dot(move_x, g1) + uv2 * dot(move_x, g2),
-        uv1 * dot(move_y, g1) + uv2 * dot(move_y, g2),
+        log2_footprint(
+            uv1 * dot(move_x, g1) + uv2 * dot(move_x, g2),
+            uv1 * dot(move_y, g1) + uv2 * dot(move_y, g2),
+        ),
     );
 }
 
 // The shading normal with the normal map, in world space.
 fn mapped_normal(hit: Hit, material: Material) -> vec3f {
     {% if "normal_texture" in slots %}
-    let local = material_normal(material, hit.uv, hit.uv_dx, hit.uv_dy);
+    let local = material_normal(material, hit.uv, hit.footprint);
     let t = normalize(hit.tangent.xyz - hit.normal * dot(hit.normal, hit.tangent.xyz));
     let bitangent = cross(hit.normal, t) * hit.tangent.w;
     return normalize(t * local.x + bitangent * local.y + hit.normal * local.z);
