@@ -7,6 +7,16 @@ fn store(index: u32, e: vec4f) { cells_out[index] = vec2u(pack2x16float(e.xy), p
 fn store(index: u32, e: vec4f) { cells_out[index] = e; }
 {% endif %}
 
+{% if evaluation == "dominant_lobe" %}
+// Sum of max(0, v.m) over the 30 faces; by symmetry it needs the sizes of v's components alone.
+fn lobe_normaliser(v: vec3f) -> f32 {
+    let side_d = {{ moment_side_d }} * abs(v);
+    let side_s = {{ moment_side_s }} * abs(v);
+    let sides = max(side_d, side_s.yzx) + max(side_d, side_s.zxy);
+    return dot(vec3f({{ moment_far }}), abs(v)) + dot(vec3f(2.0), sides);
+}
+{% endif %}
+
 // What a cell sends: the numbers that the flux through faces is linear in, but for the clamp.
 fn to_emission(c: vec4f) -> vec4f {
     {% if evaluation == "dominant_lobe" %}
@@ -14,17 +24,22 @@ fn to_emission(c: vec4f) -> vec4f {
     let size = length(c.yzw);
     if size == 0.0 || flux <= 0.0 { return vec4f(flux * {{ 1 / solid_angle }}, 0.0, 0.0, 0.0); }
     let fraction = min(1.0, {{ sh_cosine_lobe_0 / sh_cosine_lobe_1 }} * size / c.x);
-    // Sum of max(0, d.m) over the 30 faces; by symmetry it needs the sizes of d's components alone.
-    let d = abs(c.yzw) * (1.0 / size);
-    let side_d = {{ moment_side_d }} * d;
-    let side_s = {{ moment_side_s }} * d;
-    let sides = max(side_d, side_s.yzx) + max(side_d, side_s.zxy);
-    let all_faces = {{ moment_far }} * (d.x + d.y + d.z) + 2.0 * (sides.x + sides.y + sides.z);
-    return vec4f(
-        flux * (1.0 - fraction) * {{ 1 / solid_angle }},
-        c.yzw * (flux * fraction / (size * all_faces)),
-    );
+    let lobe_flux = flux * fraction;
+    return vec4f((flux - lobe_flux) * {{ 1 / solid_angle }}, c.yzw * (lobe_flux / lobe_normaliser(c.yzw)));
     {% else %}
     return c;
+    {% endif %}
+}
+
+// The coefficients that led to it.
+fn from_emission(e: vec4f) -> vec4f {
+    {% if evaluation == "dominant_lobe" %}
+    let size = length(e.yzw);
+    let lobe_flux = lobe_normaliser(e.yzw);
+    let band0 = {{ sh_y0 }} * lobe_flux; // of the lobe; its band 1 is longer by the ratio of a cosine lobe's
+    let band1 = e.yzw * ({{ sh_cosine_lobe_1 / sh_cosine_lobe_0 }} * band0 / max(size, 1e-30));
+    return vec4f({{ sh_y0 * solid_angle }} * e.x + band0, band1);
+    {% else %}
+    return e;
     {% endif %}
 }

@@ -1,8 +1,9 @@
 // One propagation step (CLPV 3.3; variants and their derivation: simulator/lpv/propagation.py).
 //
 // A step has 30 faces a cell, but their lobes share few directions: flux is summed into one total and one vector for each
-// channel and made a lobe once. Loads are what the step costs on a CPU, so a thread does {{ block|join(" x ") }} cells, which
-// share neighbours, and cells are stored as half floats where the format says so.
+// channel and made a lobe once. Loads and stores are what the step costs on a CPU. So a thread does {{ block|join(" x ") }} cells,
+// which share neighbours; and the sum is only touched in every second step, which then adds what it has read of its own
+// cells besides what it makes of them (`adds` says how many terms).
 
 {{ use("techniques/lpv/cells.wgsl") }}
 
@@ -50,19 +51,27 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         var total_{{ loop.index0 }} = 0.0;
         var vector_{{ loop.index0 }} = vec3f(0.0);
         {% endfor %}
+        {% for cell in block_cells if adds == 2 %}
+        var former_{{ loop.index0 }}: vec4f;
+        {% endfor %}
         {% for source in sources %}
         {% if source.guard %}if {{ source.guard }} {% endif %}{
             let e = load(base + vec3i({{ source.offset|join(", ") }}), channel);
             {% for use in source.uses %}
             {{ receive(use.cell, use.axis, use.sign) }}
             {% endfor %}
+            {% if adds == 2 and source.own is not none %}
+            former_{{ source.own }} = from_emission(e);
+            {% endif %}
         }
         {% endfor %}
         {% for cell in block_cells %}
         {
             let index = 3u * cell_index(base + vec3i({{ cell|join(", ") }})) + channel;
             let c = vec4f({{ lobe0 }} * total_{{ loop.index0 }}, {{ lobe1 }} * vector_{{ loop.index0 }}.yzx);
-            light[index] += c;
+            {% if adds %}
+            light[index] += c{% if adds == 2 %} + former_{{ loop.index0 }}{% endif %};
+            {% endif %}
             store(index, to_emission(c));
         }
         {% endfor %}

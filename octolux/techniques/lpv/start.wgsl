@@ -3,9 +3,11 @@
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    let index = id.x;
-    if index >= arrayLength(&light) { return; }
-    let c = injected[index] * storage_scale(peak[0]);
-    light[index] = c;
-    store(index, to_emission(c));
+    if id.x >= arrayLength(&light) / 3u { return; }
+    let scale = storage_scale(peak[0]);
+    for (var index = 3u * id.x; index < 3u * id.x + 3u; index++) {
+        let c = injected[index] * scale;
+        light[index] = c;
+        store(index, to_emission(c));
+    }
 }
