@@ -13,7 +13,7 @@ from ..gpu.profiler import Profiler
 from ..gpu_scene.gpu_scene import GpuScene
 from ..scene.scene import Scene
 from .lights import LightSet
-from .structs import LIGHT, LIGHT_COUNTS, MAX_LIGHTS, MAX_VIEWS, RASTER_VIEW_STRIDE, VIEW
+from .structs import LIGHT, MAX_LIGHTS, MAX_VIEWS, RASTER_VIEW_STRIDE, VIEW
 from .views import View
 from .visibility import DrawList
 
@@ -93,14 +93,13 @@ class Frame:
 
 
 class FrameBuffers:
-    """The small buffers that change every frame: views, lights, their counts, and what is drawn."""
+    """The small buffers that change every frame: views, lights, and what is drawn."""
 
     def __init__(self, device: Device):
         self.device = device
         self._kept = {
             "views": device.uniform("views", VIEW.array(MAX_VIEWS)),
             "lights": device.uniform("lights", LIGHT.array(MAX_LIGHTS)),
-            "counts": device.uniform("light counts", LIGHT_COUNTS.array(1)),
             "raster_views": device.uniform("raster views", np.zeros(MAX_VIEWS * RASTER_VIEW_STRIDE, np.uint8)),
             "drawn": device.buffer("drawn clusters", size=1 << 16),
         }
@@ -114,10 +113,7 @@ class FrameBuffers:
             raster[i, :16] = packed[i]["view_projection"].ravel()
         if self._kept["drawn"].size < draws.entries.nbytes:
             self._kept["drawn"] = self.device.buffer("drawn clusters", size=2 * draws.entries.nbytes)
-        contents = {
-            "views": packed, "raster_views": raster, "lights": lights.packed, "counts": lights.counts,
-            "drawn": draws.entries,
-        }  # fmt: skip
+        contents = {"views": packed, "raster_views": raster, "lights": lights.packed, "drawn": draws.entries}
         for name, data in contents.items():
             self.device.write(self._kept[name], data)
         return dict(self._kept)

@@ -10,7 +10,7 @@ import numpy as np
 from ..gpu.device import DeviceError
 from ..gpu.limits import DEFAULT_LIMITS
 from ..scene.lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight
-from .structs import LIGHT, LIGHT_COUNTS
+from .structs import LIGHT
 from .views import MAX_HALF_ANGLE, View, directional_views, point_views, spot_views
 
 Bounds = tuple[np.ndarray, np.ndarray]
@@ -20,13 +20,13 @@ Bounds = tuple[np.ndarray, np.ndarray]
 class LightSet:
     """Lights in the order directional, spot, point, packed as WGSL's `Light`.
 
-    views: of all shadow maps; layer i of the shadow maps is views[i].  light_of_view: its light's index.
+    counts: of each kind, in that order.  views: of all shadow maps; layer i of the shadow maps is views[i].  light_of_view: its light's index.
     total_flux: (lights, 3), lm or W: what each sends into its views, an upper bound of what the scene can reflect.
     """
 
     lights: list[Light]
     packed: np.ndarray
-    counts: np.ndarray
+    counts: tuple[int, int, int]
     views: list[View]
     light_of_view: list[int]
     total_flux: np.ndarray
@@ -48,7 +48,7 @@ def light_set(lights: list[Light], bounds: Bounds, resolution: int) -> LightSet:
     owners: list[int] = []
     for index, light in enumerate(ordered):
         made = _views_of(light, bounds, resolution)
-        packed[index] = _pack(light, made, len(views) + 1, resolution)[0]
+        packed[index] = _pack(light, made, resolution)[0]
         views += made
         owners += [index] * len(made)
     if len(views) > DEFAULT_LIMITS["max-texture-array-layers"]:
@@ -56,10 +56,13 @@ def light_set(lights: list[Light], bounds: Bounds, resolution: int) -> LightSet:
             f"{len(ordered)} lights need {len(views)} shadow maps; {DEFAULT_LIMITS['max-texture-array-layers']} is the "
             "most (a point light needs six). Use fewer lights."
         )
-    counts = [sum(isinstance(light, kind) for light in ordered) for kind in kinds]
-    table = LIGHT_COUNTS.pack(directional=counts[0], spot=counts[1], point=counts[2])
+    counts = (
+        sum(isinstance(light, DirectionalLight) for light in ordered),
+        sum(isinstance(light, SpotLight) for light in ordered),
+        sum(isinstance(light, PointLight) for light in ordered),
+    )
     flux = np.array([_total_flux(light, v) for light, v in zip(ordered, _grouped(views, owners), strict=True)])
-    return LightSet(ordered, packed, table, views, owners, flux.reshape(-1, 3))
+    return LightSet(ordered, packed, counts, views, owners, flux.reshape(-1, 3))
 
 
 def unsupported(lights: list[Light]) -> list[Light]:
@@ -84,7 +87,7 @@ def _unit(direction: np.ndarray) -> np.ndarray:
     return direction / np.linalg.norm(direction)
 
 
-def _pack(light: Light, views: list[View], first_view: int, resolution: int) -> np.ndarray:
+def _pack(light: Light, views: list[View], resolution: int) -> np.ndarray:
     # Texels of a directional map are oblong: the larger edge decides the shadow offset.
     texel = 2.0 * max(float(np.linalg.norm(views[0].right)), float(np.linalg.norm(views[0].up))) / resolution
     values = {"position": (0, 0, 0), "direction": (0, 0, 0), "cos_outer": 0.0, "cone_slope": 0.0}
@@ -97,7 +100,7 @@ def _pack(light: Light, views: list[View], first_view: int, resolution: int) -> 
         values["cos_outer"] = cos(outer)
         values["cone_slope"] = 1.0 / max(0.001, cos(min(light.inner_angle, outer)) - cos(outer))
     color = light.illuminance if isinstance(light, DirectionalLight) else light.intensity  # type: ignore[union-attr]
-    return LIGHT.pack(color=color, texel=texel, view=first_view, **values)
+    return LIGHT.pack(color=color, texel=texel, **values)
 
 
 def _total_flux(light: Light, views: list[View]) -> np.ndarray:

@@ -17,10 +17,8 @@ RASTER_VIEW_STRIDE = DEFAULT_LIMITS["min-uniform-buffer-offset-alignment"]
 # color: candela, or lux for directional lights. texel: width of a shadow texel in metres, per metre of depth where the
 # view is a perspective. cos_outer and cone_slope are a spot's; a slope of 0 is no cone.
 LIGHT = Struct(
-    "Light", position="vec3f", view="u32", direction="vec3f", texel="f32", color="vec3f", cos_outer="f32",
-    cone_slope="f32",
+    "Light", position="vec3f", texel="f32", direction="vec3f", cos_outer="f32", color="vec3f", cone_slope="f32",
 )  # fmt: skip
-LIGHT_COUNTS = Struct("LightCounts", directional="u32", spot="u32", point="u32")
 # A texel of an RSM as a light: position and normal (octahedral) in world space; flux it reflects (lm or W).
 VPL = Struct("Vpl", position="vec3f", normal="u32", flux="vec3f", padding="f32")
 COMPOSITE = Struct("CompositeSettings", background="vec3f", exposure="f32")

@@ -14,6 +14,7 @@ from .structs import VIEW
 
 # Reverse z keeps a relative precision of 2^-24 at any distance, so a light's near plane may lie very near.
 _NEAR_OF_SCENE = 1e-4
+CUBE_FACES = len(CUBE_FORWARD)
 # The widest cone a single perspective map can hold; wider spots are drawn at this angle (tan would grow without bound).
 MAX_HALF_ANGLE = np.radians(85.0)
 
