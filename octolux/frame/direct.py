@@ -12,13 +12,12 @@ from .shader_values import CONSTANTS
 from .structs import LIGHT, VIEW, lights_binding, views_binding
 from .views import CUBE_FACES
 
-
 # Up to so many lights are unrolled; more would make the shader long to build.
 _UNROLLED = 8
 
 
 class DirectLightPass:
-    """The glTF BRDF under every directional, spot and point light: radiance in nits. The pass is built for the number of
+    """The glTF BRDF under every directional, spot and point light: radiance in nits. A pass is built for each number of
     lights of each kind, and kept."""
 
     def __init__(self, device: Device):

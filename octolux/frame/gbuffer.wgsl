@@ -19,7 +19,7 @@ fn main(@builtin(global_invocation_id) pixel: vec3u) {
     let down = Ray(view.origin_dy, view.direction_dy);
     let ray = view_ray(view, vec2f(pixel.xy) + 0.5);
     let hit = hit_triangle(id, ray, to_right, down);
-    let material = materials[hit.material];
+    let material = load_materials(hit.material);
     // Both sides of a surface reflect; the normal is that of the side we see.
     let facing = select(1.0, -1.0, dot(hit.geometric_normal, ray.direction) > 0.0);
     let roughness_metallic = material_roughness_metallic(material, hit.uv, hit.footprint);

@@ -20,7 +20,8 @@ Bounds = tuple[np.ndarray, np.ndarray]
 class LightSet:
     """Lights in the order directional, spot, point, packed as WGSL's `Light`.
 
-    counts: of each kind, in that order.  views: of all shadow maps; layer i of the shadow maps is views[i].  light_of_view: its light's index.
+    counts: of each kind, in that order.
+    views: of all shadow maps; layer i of the shadow maps is views[i].  light_of_view: its light's index.
     total_flux: (lights, 3), lm or W: what each sends into its views, an upper bound of what the scene can reflect.
     """
 

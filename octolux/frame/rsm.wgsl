@@ -23,7 +23,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let to_right = Ray(scale * view.origin_dx, scale * view.direction_dx);
     let down = Ray(scale * view.origin_dy, scale * view.direction_dy);
     let hit = hit_triangle(triangle, ray, to_right, down);
-    let material = materials[hit.material];
+    let material = load_materials(hit.material);
     let base_color = material_base_color(material, hit.uv, hit.footprint).rgb;
     let metallic = material_roughness_metallic(material, hit.uv, hit.footprint).y;
     let facing = select(1.0, -1.0, dot(hit.geometric_normal, ray.direction) > 0.0);

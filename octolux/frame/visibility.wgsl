@@ -13,17 +13,18 @@ struct Corner {
 @vertex
 fn vertex(@builtin(vertex_index) vertex_index: u32, @builtin(instance_index) index: u32) -> Corner {
     let item_index = drawn[index];
-    let item = items[item_index];
+    let item = load_items(item_index);
     let triangle = vertex_index / 3u;
     var corner: Corner;
     if triangle >= item.triangle_count {
         corner.position = vec4f(0.0, 0.0, 0.0, 1.0); // three times the same point: nothing is drawn
         return corner;
     }
-    let instance = instances[item.instance];
+    let instance = load_instances(item.instance);
     var k = vertex_index % 3u;
     if instance.flipped == 1u { k = (3u - k) % 3u; } // a mirrored triangle keeps its front
-    let vertex = vertices[indices[3u * (item.first_triangle + triangle) + k]];
+    let corners = load_triangles(item.first_triangle + triangle);
+    let vertex = load_vertices(vec3u(corners.a, corners.b, corners.c)[k]);
     corner.position = view.view_projection * vec4f(to_world(instance, vertex.position), 1.0);
     corner.id = (item_index << CLUSTER_BITS | triangle) + 1u;
     {% if masked %}
@@ -36,7 +37,7 @@ fn vertex(@builtin(vertex_index) vertex_index: u32, @builtin(instance_index) ind
 {% if masked %}
 fn discard_if_masked(corner: Corner) {
     let footprint = log2_footprint(dpdx(corner.uv), dpdy(corner.uv));
-    let material = materials[corner.material];
+    let material = load_materials(corner.material);
     if material_base_color(material, corner.uv, footprint).a < material.alpha_cutoff { discard; }
 }
 {% endif %}

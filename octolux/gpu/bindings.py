@@ -20,6 +20,7 @@ class Binding:
     wgsl: str
     access: str
     layout: dict[str, Any] = field(hash=False)
+    loader: str = ""  # WGSL function that reads an element of it
     window: int = 0  # bytes that are seen of a buffer which is bound at a dynamic offset; 0 is all of it
 
 
@@ -34,13 +35,19 @@ def uniform(name: str, kind: str | Struct) -> Binding:
 def uniform_window(name: str, kind: Struct) -> Binding:
     """One element of a buffer whose elements lie 256 bytes apart; which one is said when it is bound."""
     layout = {"buffer": {"type": "uniform", "has_dynamic_offset": True, "min_binding_size": kind.size}}
-    return Binding(name, f"var<uniform> {name}: {kind.name};", "read", layout, kind.size)
+    return Binding(name, f"var<uniform> {name}: {kind.name};", "read", layout, window=kind.size)
 
 
 def storage(name: str, kind: str | Struct) -> Binding:
     """A read-only array in a storage buffer; `kind` is its element."""
     text = f"var<storage, read> {name}: array<{_type_name(kind)}>;"
     return Binding(name, text, "read", {"buffer": {"type": "read-only-storage"}})
+
+
+def storage_words(name: str, kind: Struct) -> Binding:
+    """A read-only array of structs that the shader reads with `load_NAME(index)`, 16 bytes at a time."""
+    text = f"var<storage, read> {name}: array<vec4u>;"
+    return Binding(name, text, "read", {"buffer": {"type": "read-only-storage"}}, loader=kind.wgsl_loader(name))
 
 
 def storage_rw(name: str, kind: str | Struct, access: str = "read_write") -> Binding:
@@ -94,7 +101,8 @@ class BindGroup:
     def header(self, group: int) -> list[str]:
         """WGSL declarations as group `group`."""
         lines = [s.wgsl for s in self.structs]
-        return lines + [f"@group({group}) @binding({i}) {b.wgsl}" for i, b in enumerate(self.bindings)]
+        lines += [f"@group({group}) @binding({i}) {b.wgsl}" for i, b in enumerate(self.bindings)]
+        return lines + [b.loader for b in self.bindings if b.loader]
 
     def layout(self, device: Any) -> Any:
         if self._layout is None:

@@ -23,6 +23,15 @@ _TYPES: dict[str, tuple[str, tuple[int, ...], int, int]] = {
 }
 
 
+def _from_word(kind: str, offset: int) -> str:
+    """WGSL text that takes a member at byte `offset` out of the words w0, w1, ... (vec4u)."""
+    width = _TYPES[kind][3] // 4
+    if width > 4:
+        raise ValueError(f"a {kind} does not lie in one 16-byte word")
+    first = offset % 16 // 4
+    return f"bitcast<{kind}>(w{offset // 16}.{'xyzw'[first : first + width]})"
+
+
 def _round_up(value: int, step: int) -> int:
     return -(-value // step) * step
 
@@ -63,6 +72,20 @@ class Struct:
     def wgsl(self) -> str:
         """The declaration as WGSL text, on one line so that it does not shift the lines of its file."""
         return f"struct {self.name} {{ {', '.join(f'{n}: {t}' for n, t in self.fields)} }}"
+
+    def wgsl_loader(self, buffer: str) -> str:
+        """A WGSL function `load_BUFFER(index) -> NAME` that reads an element from `buffer: array<vec4u>`, on one line.
+
+        It reads 16 bytes at a time, where a load of the struct would read member by member: on a software adapter each
+        load costs about the same, whatever its width. Raises ValueError when the struct does not fill 16-byte words.
+        """
+        if self.size % 16:
+            raise ValueError(f"struct {self.name} has {self.size} bytes, not a multiple of 16")
+        count = self.size // 16
+        words = "".join(f"let w{i} = {buffer}[{count}u * index + {i}u]; " for i in range(count))
+        assert self.dtype.fields is not None
+        values = ", ".join(_from_word(kind, self.dtype.fields[name][1]) for name, kind in self.fields)
+        return f"fn load_{buffer}(index: u32) -> {self.name} {{ {words}return {self.name}({values}); }}"
 
     @property
     def size(self) -> int:

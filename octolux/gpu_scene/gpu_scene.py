@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 import wgpu
 
-from ..gpu.bindings import BindGroup, storage
+from ..gpu.bindings import BindGroup, storage_words
 from ..gpu.device import Device
 from ..scene.materials import Material, Texture
 from ..scene.scene import Scene
 from ..simulator.camera import pack_normals
 from .clusters import Clusters, cluster, visible, world_boxes
 from .packing import pack_tangents
-from .structs import INSTANCE, ITEM, MATERIAL, VERTEX
+from .structs import INSTANCE, ITEM, MATERIAL, TRIANGLE, VERTEX
 from .textures import TextureArrays
 
 _SLOTS = (
@@ -63,15 +63,17 @@ class GpuScene:
         self._clear_derived()
         meshes = [m for m in scene.meshes if len(m.indices)]
         vertices = VERTEX.array(max(1, sum(len(m.positions) for m in meshes)))
-        indices, base = [], 0
+        triangles = TRIANGLE.array(max(1, sum(len(c.indices) for c in self._clusters)))
+        base, done = 0, 0
         for mesh, clusters in zip(meshes, self._clusters, strict=True):
             part = vertices[base : base + len(mesh.positions)]
             part["position"], part["uv"] = mesh.positions, mesh.uvs
             part["normal"], part["tangent"] = pack_normals(mesh.normals), pack_tangents(mesh.tangents)
-            indices.append(clusters.indices.ravel() + np.uint32(base))
-            base += len(mesh.positions)
+            corners = triangles[done : done + len(clusters.indices)]
+            corners["a"], corners["b"], corners["c"] = (clusters.indices + np.uint32(base)).T
+            base, done = base + len(mesh.positions), done + len(clusters.indices)
         self._vertices = self.device.buffer("vertices", vertices)
-        self._indices = self.device.buffer("indices", np.concatenate(indices) if indices else np.zeros(0, np.uint32))
+        self._triangles = self.device.buffer("triangles", triangles)
 
     def _clear_derived(self) -> None:
         for name in ("bindings", "_first_triangles"):
@@ -79,7 +81,7 @@ class GpuScene:
 
     @cached_property
     def _first_triangles(self) -> np.ndarray:
-        """Where each mesh's triangles begin in the common index buffer."""
+        """Where each mesh's triangles begin in the common buffer."""
         counts = [len(c.indices) for c in self._clusters]
         return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
 
@@ -142,17 +144,17 @@ class GpuScene:
     @cached_property
     def bindings(self) -> BindGroup:
         buffers = [
-            storage("vertices", VERTEX), storage("indices", "u32"), storage("instances", INSTANCE),
-            storage("items", ITEM), storage("materials", MATERIAL),
+            storage_words("vertices", VERTEX), storage_words("triangles", TRIANGLE),
+            storage_words("instances", INSTANCE), storage_words("items", ITEM), storage_words("materials", MATERIAL),
         ]  # fmt: skip
         visibility = wgpu.ShaderStage.COMPUTE | wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT
-        structs = (VERTEX, INSTANCE, ITEM, MATERIAL)
+        structs = (VERTEX, TRIANGLE, INSTANCE, ITEM, MATERIAL)
         return BindGroup([*buffers, *self.textures.bindings()], structs, visibility)
 
     @property
     def resources(self) -> dict[str, Any]:
         return {
-            "vertices": self._vertices, "indices": self._indices, "instances": self._instances,
+            "vertices": self._vertices, "triangles": self._triangles, "instances": self._instances,
             "items": self._items, "materials": self._materials, **self.textures.resources,
         }  # fmt: skip
 

@@ -6,6 +6,8 @@ from ..gpu.layout import Struct
 VERTEX = Struct("Vertex", position="vec3f", normal="u32", uv="vec2f", tangent="u32")
 # Rows of the object-to-world matrix; `flipped` is 1 where it mirrors, so that the winding turns round.
 INSTANCE = Struct("Instance", row0="vec4f", row1="vec4f", row2="vec4f", material="u32", flipped="u32")
+# Corners of a triangle: numbers of vertices.
+TRIANGLE = Struct("Triangle", a="u32", b="u32", c="u32", padding="u32")
 # A cluster of one instance: the unit that is culled and drawn.
 ITEM = Struct("Item", instance="u32", first_triangle="u32", triangle_count="u32", padding="u32")
 # Texture fields are references as gpu_scene/textures.py packs them.

@@ -42,12 +42,12 @@ fn unpack_tangent(packed: u32) -> vec4f {
 
 // `id` is what the rasteriser wrote, not 0. `origin_dx` and so on: change of the ray from pixel to pixel.
 fn hit_triangle(id: u32, ray: Ray, to_right: Ray, down: Ray) -> Hit {
-    let item = items[(id - 1u) >> CLUSTER_BITS];
-    let triangle = 3u * (item.first_triangle + ((id - 1u) & ((1u << CLUSTER_BITS) - 1u)));
-    let instance = instances[item.instance];
-    let a = vertices[indices[triangle]];
-    let b = vertices[indices[triangle + 1u]];
-    let c = vertices[indices[triangle + 2u]];
+    let item = load_items((id - 1u) >> CLUSTER_BITS);
+    let corners = load_triangles(item.first_triangle + ((id - 1u) & ((1u << CLUSTER_BITS) - 1u)));
+    let instance = load_instances(item.instance);
+    let a = load_vertices(corners.a);
+    let b = load_vertices(corners.b);
+    let c = load_vertices(corners.c);
     let p = to_world(instance, a.position);
     let e1 = to_world(instance, b.position) - p;
     let e2 = to_world(instance, c.position) - p;

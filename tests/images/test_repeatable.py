@@ -66,7 +66,7 @@ def test_a_moved_instance(renderer):
     """Only its placement is uploaded: geometry and textures stay the same objects."""
     before, instances = renderer.render(), list(renderer.scene.instances)
     objects = before.layers["object_id"]
-    names = ("vertices", "indices", "materials", "material_sampler")
+    names = ("vertices", "triangles", "materials", "material_sampler")
     kept = {name: renderer.gpu_scene.resources[name] for name in names}
     turned = instances[3].transform.copy()
     turned[:3, 3] += [-0.3, 0.4, 0.2]
