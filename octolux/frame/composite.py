@@ -31,7 +31,8 @@ class CompositePass:
                     texture("direct_map"), *(texture(name) for name, there in optional if there),
                     storage_texture("radiance_out", "rgba32float"), storage_texture("display_out", "rgba8unorm"),
                 ],
-                structs=[COMPOSITE], emissive=emissive, irradiance=irradiance, specular=specular, **CONSTANTS,
+                structs=[COMPOSITE], workgroup=(32, 2, 1),  # it only loads and stores: rows suit it better than squares
+                emissive=emissive, irradiance=irradiance, specular=specular, **CONSTANTS,
             )  # fmt: skip
         return self._variants[key]
 
