@@ -1,11 +1,23 @@
 // What a cell stores while light travels: numbers that its flux is linear in, in one of two formats.
 {{ use("techniques/lpv/storage_scale.wgsl") }}
 
-{% if format == "f16" %}
-fn store(index: u32, e: vec4f) { cells_out[index] = vec2u(pack2x16float(e.xy), pack2x16float(e.zw)); }
-{% else %}
-fn store(index: u32, e: vec4f) { cells_out[index] = e; }
-{% endif %}
+// Stored cells have a border of one cell that stays dark, so that no step asks where the volume ends.
+fn stored_index(cell: vec3i, channel: u32) -> u32 {
+    return 3u * u32(cell.x + 1 + {{ n + 2 }} * (cell.y + 1 + {{ n + 2 }} * (cell.z + 1))) + channel;
+}
+
+// Where a cell's accumulated light lies.
+fn light_index(cell: vec3i, channel: u32) -> u32 {
+    return 3u * u32(cell.x + {{ n }} * (cell.y + {{ n }} * cell.z)) + channel;
+}
+
+fn store(cell: vec3i, channel: u32, e: vec4f) {
+    {% if format == "f16" %}
+    cells_out[stored_index(cell, channel)] = vec2u(pack2x16float(e.xy), pack2x16float(e.zw));
+    {% else %}
+    cells_out[stored_index(cell, channel)] = e;
+    {% endif %}
+}
 
 {% if evaluation == "dominant_lobe" %}
 // Sum of max(0, v.m) over the 30 faces; by symmetry it needs the sizes of v's components alone.

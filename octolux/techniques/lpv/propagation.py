@@ -18,9 +18,9 @@ _CELL_TYPES = {"f32": "vec4f", "f16": "vec2u"}
 _CELL_BYTES = {"f32": 48, "f16": 24}
 
 
-def block_sources(n: int, block: tuple[int, int, int] = BLOCK) -> list[dict[str, Any]]:
-    """Which neighbours a block of cells reads: offset, guard against the border, which of the block's own cells it is
-    (or None), and which cells use it how."""
+def block_sources(block: tuple[int, int, int] = BLOCK) -> list[dict[str, Any]]:
+    """Which neighbours a block of cells reads: offset, which of the block's own cells it is (or None), and which cells
+    use it how."""
     cells = list(itertools.product(*(range(b) for b in block)))
     sources: dict[tuple[int, ...], list[dict[str, Any]]] = {}
     for number, cell in enumerate(cells):
@@ -30,16 +30,7 @@ def block_sources(n: int, block: tuple[int, int, int] = BLOCK) -> list[dict[str,
             use = {"cell": number, "axis": "xyz"[axis], "sign": f"{direction[axis]}.0"}
             sources.setdefault(offset, []).append(use)
     own = {cell: number for number, cell in enumerate(cells)}
-    return [{"offset": o, "guard": _guard(o, block, n), "own": own.get(o), "uses": u} for o, u in sources.items()]
-
-
-def _guard(offset: tuple[int, ...], block: tuple[int, int, int], n: int) -> str:
-    for axis, (position, size) in enumerate(zip(offset, block, strict=True)):
-        if position < 0:
-            return f"base.{'xyz'[axis]} > 0"
-        if position >= size:
-            return f"base.{'xyz'[axis]} < {n - size}"
-    return ""
+    return [{"offset": o, "own": own.get(o), "uses": u} for o, u in sources.items()]
 
 
 class Propagation:
@@ -48,7 +39,7 @@ class Propagation:
     def __init__(
         self, device: Device, n: int, *, evaluation: str, reprojection: str, gain: float, cell_format: str
     ):
-        kind, size = _CELL_TYPES[cell_format], n**3 * _CELL_BYTES[cell_format]
+        kind, size = _CELL_TYPES[cell_format], (n + 2) ** 3 * _CELL_BYTES[cell_format]
         self.n = n
         self._cells = [device.buffer("LPV cells", size=size) for _ in range(2)]
         self.light = device.buffer("LPV accumulated light", size=n**3 * 48)
@@ -58,7 +49,7 @@ class Propagation:
             device, "start", "techniques/lpv/start.wgsl",
             [storage("injected", "vec4f"), storage("peak", "u32"), storage_rw("light", "vec4f", "write"),
              storage_rw("cells_out", kind, "write")],
-            workgroup=(256, 1, 1), **self._values,
+            workgroup=(min(32, n), 4, 2), **self._values,
         )  # fmt: skip
         self._steps: dict[int, ComputePass] = {}
 
@@ -69,7 +60,7 @@ class Propagation:
             self._steps[adds] = ComputePass(
                 self._device, "propagate", "techniques/lpv/propagation.wgsl",
                 [storage("cells_in", self._kind), storage_rw("cells_out", self._kind, "write"), *light],
-                workgroup=(min(32, self.n), 1, 1), block=BLOCK, adds=adds, sources=block_sources(self.n),
+                workgroup=(min(32, self.n), 1, 1), block=BLOCK, adds=adds, sources=block_sources(),
                 block_cells=list(itertools.product(*(range(b) for b in BLOCK))), **self._values,
             )  # fmt: skip
         return self._steps[adds]
@@ -77,7 +68,7 @@ class Propagation:
     def run(self, stage: Any, injected: Any, peak: Any, iterations: int) -> None:
         """Accumulate S_0 to S_k from `injected` (Injection.injected) with k = `iterations`."""
         source, target = self._cells
-        self._start.run(stage, (self.n**3,), injected=injected, peak=peak, light=self.light, cells_out=source)
+        self._start.run(stage, (self.n,) * 3, injected=injected, peak=peak, light=self.light, cells_out=source)
         threads = tuple(-(-self.n // size) for size in BLOCK)
         # An odd number of steps begins with one that adds itself; then each second one adds two.
         for adds in [1] * (iterations % 2) + [0, 2] * (iterations // 2):

@@ -7,15 +7,13 @@
 
 {{ use("techniques/lpv/cells.wgsl") }}
 
-fn cell_index(cell: vec3i) -> u32 { return u32(cell.x + {{ n }} * (cell.y + {{ n }} * cell.z)); }
-
 {% if format == "f16" %}
 fn load(cell: vec3i, channel: u32) -> vec4f {
-    let packed = cells_in[3u * cell_index(cell) + channel];
+    let packed = cells_in[stored_index(cell, channel)];
     return vec4f(unpack2x16float(packed.x), unpack2x16float(packed.y));
 }
 {% else %}
-fn load(cell: vec3i, channel: u32) -> vec4f { return cells_in[3u * cell_index(cell) + channel]; }
+fn load(cell: vec3i, channel: u32) -> vec4f { return cells_in[stored_index(cell, channel)]; }
 {% endif %}
 
 {% set axes = {"x": "w", "y": "y", "z": "z"} %}
@@ -55,7 +53,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         var former_{{ loop.index0 }}: vec4f;
         {% endfor %}
         {% for source in sources %}
-        {% if source.guard %}if {{ source.guard }} {% endif %}{
+        {
             let e = load(base + vec3i({{ source.offset|join(", ") }}), channel);
             {% for use in source.uses %}
             {{ receive(use.cell, use.axis, use.sign) }}
@@ -67,12 +65,12 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         {% endfor %}
         {% for cell in block_cells %}
         {
-            let index = 3u * cell_index(base + vec3i({{ cell|join(", ") }})) + channel;
+            let cell = base + vec3i({{ cell|join(", ") }});
             let c = vec4f({{ lobe0 }} * total_{{ loop.index0 }}, {{ lobe1 }} * vector_{{ loop.index0 }}.yzx);
             {% if adds %}
-            light[index] += c{% if adds == 2 %} + former_{{ loop.index0 }}{% endif %};
+            light[light_index(cell, channel)] += c{% if adds == 2 %} + former_{{ loop.index0 }}{% endif %};
             {% endif %}
-            store(index, to_emission(c));
+            store(cell, channel, to_emission(c));
         }
         {% endfor %}
     }

@@ -3,11 +3,12 @@
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    if id.x >= arrayLength(&light) / 3u { return; }
+    if any(id >= vec3u({{ n }}u)) { return; }
     let scale = storage_scale(peak[0]);
-    for (var index = 3u * id.x; index < 3u * id.x + 3u; index++) {
+    for (var channel = 0u; channel < 3u; channel++) {
+        let index = light_index(vec3i(id), channel);
         let c = injected[index] * scale;
         light[index] = c;
-        store(index, to_emission(c));
+        store(vec3i(id), channel, to_emission(c));
     }
 }
