@@ -95,9 +95,9 @@ def _gather() -> Gather:
     return Gather(random_light(N))
 
 
-def _speedup(preset: str) -> dict[str, float]:
+def _speedup(preset: str, cell_format: str) -> dict[str, float]:
     """Times and their ratio: recording, submitting and waiting for one command buffer of all steps."""
-    made, baseline = preset_propagation(preset, N), _gather()
+    made, baseline = preset_propagation(preset, N, cell_format), _gather()
     peak = device().buffer("peak", np.array([2.0], np.float32))
 
     def plain() -> None:
@@ -117,14 +117,21 @@ _UNITS = {"ratio": "x", "gather_ms": "ms", "octolux_ms": "ms"}
 
 @figure("propagation_speedup", group="ratios", unit=_UNITS, bound={"ratio": at_least(1.5)})
 def propagation_speedup() -> dict[str, float]:
-    """8 steps at 32^3 RGB as the `paper` preset does them, against a plain unrolled gather kernel of the same steps."""
-    return _speedup("paper")
+    """8 steps at 32^3 RGB as the `paper` preset does them, against a plain unrolled gather kernel of the same steps;
+    both on cells of 32-bit numbers."""
+    return _speedup("paper", "f32")
+
+
+@figure("propagation_speedup_f16", group="ratios", unit=_UNITS)
+def propagation_speedup_f16() -> dict[str, float]:
+    """The same with our cells in half floats, as the `paper` preset has them."""
+    return _speedup("paper", "f16")
 
 
 @figure("propagation_speedup_default", group="ratios", unit=_UNITS)
 def propagation_speedup_default() -> dict[str, float]:
     """The same for the default preset, whose steps do more than the gather's."""
-    return _speedup("default")
+    return _speedup("default", "")
 
 
 @figure("propagation_baseline", group="kernels", unit="relative", bound=at_most(1e-4))

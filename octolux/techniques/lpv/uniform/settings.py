@@ -57,14 +57,15 @@ class UniformLpvSettings(Settings):
         cost="none", source="OLPV 3.2.4",
     )  # fmt: skip
     cell_format: str = setting(
-        "f16", meaning="numbers of a cell while light travels", unit="", allowed=("f16", "f32"),
-        cost="f32: twice the memory and traffic of a step", source="CLPV 6",
+        "f32", meaning="numbers of a cell while light travels", unit="", allowed=("f32", "f16"),
+        cost="f16: half the memory and traffic of a step; a software adapter spends as much on converting",
+        source="OLPV 5.2 (f32), CLPV 6 (f16)",
     )  # fmt: skip
 
     PRESETS: ClassVar[dict[str, dict[str, Any]]] = {
         "paper": {
             "iterations": 8, "evaluation": "clamped", "reprojection": "face", "reading": "paper", "damping": True,
-            "lookup_offset": 0.0,
+            "lookup_offset": 0.0, "cell_format": "f16",
         },
         "thesis": {
             "iterations": 16, "evaluation": "clamped", "reprojection": "face", "gain": 0.75, "injection": "thesis",
