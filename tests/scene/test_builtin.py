@@ -32,6 +32,7 @@ def test_builtin_scenes_hold_together(name):
         repeated = [n for n, count in Counter(o.name for o in group).items() if count > 1]
         assert not repeated
     named = {"light": scene.lights, "camera": scene.cameras, "instance": scene.instances}
+    assert scene.at(0.0).lights == scene.lights  # the first frame is the still picture
     for track in scene.tracks:
         assert track.name in [o.name for o in named[track.target]]
 

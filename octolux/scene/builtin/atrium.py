@@ -74,7 +74,7 @@ def _material(name: str, surface: Surface, roughness: float, double_sided: bool 
 
 
 def _sun_track() -> Track:
-    """From the morning, over the built-in direction at 5 s, to the afternoon."""
-    directions = [(-0.30, -1.0, 0.85), (0.06, -1.0, 0.68), SUN_DIRECTION, (0.62, -1.0, 0.20), (0.70, -1.0, -0.25)]
+    """From the still picture's direction back to the morning and over noon to the afternoon."""
+    directions = [SUN_DIRECTION, (0.06, -1.0, 0.68), (-0.30, -1.0, 0.85), (0.62, -1.0, 0.20), (0.70, -1.0, -0.25)]
     return Track(target="light", name="sun", property="direction", times=np.array([0.0, 2.5, 5.0, 7.5, 10.0]),
                  values=np.array(directions))
