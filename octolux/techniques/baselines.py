@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from ..frame.frame import COPY, STORAGE, TEXTURE, Frame
 from ..gpu.bindings import storage_texture, uniform
 from ..gpu.device import Device
@@ -52,6 +50,7 @@ CONSTANT = Struct("Constant", irradiance="vec3f")
 class Constant(Technique):
     """The same irradiance on every surface: ambient light, the baseline any technique must beat."""
 
+    label = "constant"
     name, summary, settings_class = "constant", "the same irradiance everywhere (ambient light)", ConstantSettings
     supports = frozenset({"dynamic geometry", "dynamic lights"})
 
@@ -66,7 +65,7 @@ class Constant(Technique):
     def prepare(self, frame: Frame) -> None:
         if self._irradiance is None or self._irradiance.size[:2] != frame.pixels:
             usage = STORAGE | TEXTURE | COPY
-            self._irradiance = self.device.texture("irradiance", frame.pixels, "rgba32float", usage=usage)
+            self._irradiance = self.device.texture("constant irradiance", frame.pixels, "rgba32float", usage=usage)
         frame.irradiance = self._irradiance
 
     def update(self, frame: Frame) -> None:
@@ -75,6 +74,3 @@ class Constant(Technique):
     def shade(self, frame: Frame) -> None:
         with frame.profiler.stage("constant") as stage:
             self._pass.run(stage, frame.pixels, constant=self._value, irradiance_out=self._irradiance)
-
-    def debug_views(self) -> dict[str, np.ndarray]:
-        return {}

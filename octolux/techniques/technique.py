@@ -15,6 +15,7 @@ class Technique(ABC):
 
     name: for `--technique`.  summary: one line for people.  needs: shared things it reads ("rsm").
     supports: what it handles ("dynamic geometry", "dynamic lights", "glossy", ...).
+    label: what the labels of its resources begin with; "" where it has none.
     """
 
     name: ClassVar[str]
@@ -22,6 +23,7 @@ class Technique(ABC):
     settings_class: ClassVar[type[Settings]]
     needs: ClassVar[frozenset[str]] = frozenset()
     supports: ClassVar[frozenset[str]] = frozenset()
+    label: ClassVar[str] = ""
 
     def __init__(self, device: Device, settings: Settings):
         self.device, self.settings = device, settings
@@ -43,5 +45,5 @@ class Technique(ABC):
         return {}
 
     def memory(self) -> dict[str, int]:
-        """Bytes by resource that this technique holds."""
-        return {}
+        """Bytes by resource that techniques of this kind hold on the device: those labelled with `label`."""
+        return {k: v for k, v in self.device.memory.by_label().items() if self.label and k.startswith(self.label)}

@@ -51,7 +51,7 @@ class Lookup:
     def prepare(self, pixels: tuple[int, int]) -> None:
         if self.irradiance is None or self.irradiance.size[:2] != pixels:
             usage = STORAGE | TEXTURE | COPY
-            self.irradiance = self.device.texture("irradiance", pixels, "rgba32float", usage=usage)
+            self.irradiance = self.device.texture("LPV irradiance", pixels, "rgba32float", usage=usage)
 
     def write_volumes(self, stage: Any, light: Any) -> None:
         outputs = {f"{c}_out": self.volumes[c] for c in CHANNELS}

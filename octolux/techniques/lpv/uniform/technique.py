@@ -24,6 +24,7 @@ class UniformLpv(Technique):
 
     name, summary = "uniform-lpv", "one bounce of diffuse light through a uniform light propagation volume"
     settings_class = UniformLpvSettings
+    label = "LPV"
     needs = frozenset({"rsm"})
     supports = frozenset({"dynamic geometry", "dynamic lights", "diffuse"})
     settings: UniformLpvSettings

@@ -1,0 +1,49 @@
+"""What every technique owes to those who read it: settings that explain themselves, memory, debug views."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import octolux
+from octolux.techniques import TECHNIQUES
+
+
+@pytest.mark.parametrize("name", TECHNIQUES)
+def test_settings_explain_themselves(name):
+    for field in dataclasses.fields(TECHNIQUES[name].settings_class):
+        assert {"meaning", "unit", "allowed", "cost", "source"} <= field.metadata.keys()
+        assert all(field.metadata[key] for key in ("meaning", "allowed", "cost", "source")), field.name
+
+
+@pytest.mark.parametrize("name", TECHNIQUES)
+def test_every_preset_makes_settings_and_survives_text(name):
+    settings_class = TECHNIQUES[name].settings_class
+    for preset in ("default", *settings_class.PRESETS):
+        made = settings_class.make(preset)
+        texts = {key: str(value) for key, value in made.as_dict().items()}
+        assert settings_class.from_strings("default", texts) == made
+
+
+def test_memory_of_the_volume_is_that_of_its_cells(device):
+    n, pixels = 16, 64 * 48
+    renderer = octolux.Renderer(octolux.load("cornell-box"), settings={"n": n}, size=(64, 48), device=device)
+    before = renderer.technique.memory()
+    renderer.render()
+    held = renderer.technique.memory()
+    # Other renderers of the session's device may hold volumes too: count what this one added or more.
+    assert held["LPV cells"] >= 2 * (n + 2) ** 3 * 3 * 16
+    assert held["LPV volumes"] >= 3 * n**3 * 8
+    assert held["LPV irradiance"] - before.get("LPV irradiance", 0) == pixels * 16
+
+
+def test_debug_views_are_the_volume(device):
+    renderer = octolux.Renderer(octolux.load("cornell-box"), settings={"n": 16}, size=(64, 48), device=device)
+    renderer.render()
+    views = renderer.technique.debug_views()
+    assert all(view.shape == (16, 16, 16, 3, 4) for view in views.values())
+    # The sum begins with what was injected, and light is never negative.
+    assert (views["accumulated"][..., 0] >= views["injected"][..., 0] * (1 - 1e-6)).all()
+    assert np.isfinite(views["accumulated"]).all() and views["injected"][..., 0].max() > 0
