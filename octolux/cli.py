@@ -92,7 +92,8 @@ def render(
         str | None, typer.Option(help="Part of a graphics adapter's name; `octolux devices` lists them.")
     ] = None,
     out: Annotated[
-        list[Path], typer.Option(help="Where to write: .png for display, .exr for all layers; repeatable.")
+        list[Path],
+        typer.Option(help="Where to write: .png for display, .exr for all layers; repeatable; octolux.png by default."),
     ] = [],  # noqa: B006
     stats: Annotated[Path | None, typer.Option(help="Write times, memory and energy as JSON.")] = None,
 ) -> None:  # fmt: skip

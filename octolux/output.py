@@ -59,8 +59,11 @@ def check_writable(path: Path, suffixes: list[str]) -> None:
 
 
 def _replace(path: Path, write: Callable[[Path], object]) -> None:
-    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
-    os.close(handle)
+    try:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}-", suffix=path.suffix)
+        os.close(handle)
+    except OSError as error:
+        raise OctoluxError(f"{path}: cannot be written: {error.strerror or error}. Choose another folder.") from error
     try:
         write(Path(name))
         os.chmod(name, 0o666 & ~_umask())  # mkstemp's files are private

@@ -70,11 +70,17 @@ class Renderer:
 
     @property
     def warnings(self) -> list[str]:
-        """What the scene holds that this technique leaves out."""
-        return [
+        """What the scene holds that this technique leaves out, and what it lacks for a picture."""
+        left_out = unsupported(self.scene.lights)
+        notes = [
             f"{type(light).__name__} '{light.name}' is left out: technique {self.technique.name} has no area lights"
-            for light in unsupported(self.scene.lights)
+            for light in left_out
         ]
+        if len(left_out) == len(self.scene.lights):
+            notes.append("the scene has no light that shines here: only what glows is seen; add lights in a TOML scene")
+        if not self.scene.triangle_count:
+            notes.append("the scene holds no triangles: only its surroundings are seen")
+        return notes
 
     def render(self, camera: str | int | Camera | None = None) -> Picture:
         """One frame, seen by `camera` (a name, a number, a Camera, or None for the first), as a Picture.
@@ -167,6 +173,7 @@ def _check_exposure(exposure: float | None) -> None:
 
 
 def _check_size(settings: FrameSettings) -> None:
+    """Raise OctoluxError for sizes that cannot be."""
     for name, value, most in (("width", settings.width, 8192), ("height", settings.height, 8192)):
         if not 1 <= value <= most:
             raise OctoluxError(f"The picture's {name} must be 1 to {most} pixels, not {value}.")

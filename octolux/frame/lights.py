@@ -10,6 +10,7 @@ import numpy as np
 from ..gpu.device import DeviceError
 from ..gpu.limits import DEFAULT_LIMITS
 from ..scene.lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight
+from ..simulator.direct import NARROWEST_RAMP
 from .structs import LIGHT
 from .views import MAX_HALF_ANGLE, View, directional_views, point_views, spot_views
 
@@ -99,7 +100,7 @@ def _pack(light: Light, views: list[View], resolution: int) -> np.ndarray:
     if isinstance(light, SpotLight):
         outer = min(light.outer_angle, MAX_HALF_ANGLE)
         values["cos_outer"] = cos(outer)
-        values["cone_slope"] = 1.0 / max(0.001, cos(min(light.inner_angle, outer)) - cos(outer))
+        values["cone_slope"] = 1.0 / max(NARROWEST_RAMP, cos(min(light.inner_angle, outer)) - cos(outer))
     color = light.illuminance if isinstance(light, DirectionalLight) else light.intensity  # type: ignore[union-attr]
     return LIGHT.pack(color=color, texel=texel, **values)
 
@@ -110,5 +111,7 @@ def _total_flux(light: Light, views: list[View]) -> np.ndarray:
         area = 4.0 * float(np.linalg.norm(views[0].right) * np.linalg.norm(views[0].up))
         return np.asarray(light.illuminance) * area
     assert isinstance(light, PointLight | SpotLight)
-    # The RSM's midpoint rule for solid angles (frame/rsm.wgsl) may exceed 4 pi by less than 1 / resolution.
-    return np.asarray(light.intensity) * 4.0 * pi * (1.0 + 1.0 / views[0].width)
+    # The area that a view shows at distance 1 is more than its solid angle: a tight bound for a narrow spot. The RSM's
+    # midpoint rule for solid angles (frame/rsm.wgsl) may exceed them by less than 1 / resolution.
+    area = sum(4.0 * float(np.linalg.norm(v.right) * np.linalg.norm(v.up)) for v in views)
+    return np.asarray(light.intensity) * min(area, 4.0 * pi) * (1.0 + 1.0 / views[0].width)

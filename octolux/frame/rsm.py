@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from ..gpu.bindings import storage_rw, texture
-from ..gpu.device import Device
+from ..gpu.device import Device, DeviceError
+from ..gpu.limits import DEFAULT_LIMITS
 from ..gpu.passes import ComputePass
 from ..gpu_scene.gpu_scene import GpuScene
 from .frame import Frame, FrameSettings
@@ -37,6 +38,13 @@ class RSMPass:
         """Fill `frame.vpls`: [layer][row][column], of size layers * rsm_resolution^2."""
         layers, resolution = len(frame.lights.views), self.settings.rsm_resolution
         size = max(1, layers) * resolution**2 * VPL.size
+        limit = DEFAULT_LIMITS["max-storage-buffer-binding-size"]
+        if size > limit:
+            raise DeviceError(
+                f"{layers} views of lights with {resolution} x {resolution} VPLs each are more than the "
+                f"{limit // (resolution**2 * VPL.size)} that fit. Use fewer lights (a point light has six views) or a "
+                "lower --rsm-resolution."
+            )
         if self._buffer is None or self._buffer.size != size:
             self._buffer = self.device.buffer("VPLs", size=size)
         frame.vpls = self._buffer

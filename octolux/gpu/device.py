@@ -96,13 +96,14 @@ class Device:
         """Turn wgpu's out-of-memory and device-lost errors into DeviceError; other errors are bugs and pass."""
         try:
             yield
-        except wgpu.GPUOutOfMemoryError as error:
-            used = readable(self.memory.total)
-            raise DeviceError(
-                f"The graphics device {self.adapter_name} is out of memory; octolux holds {used}. "
-                "Try a smaller --size, fewer lights, or lower shadow resolution and grid size."
-            ) from error
         except wgpu.GPUError as error:
+            # wgpu reports a texture that does not fit as a validation error
+            if isinstance(error, wgpu.GPUOutOfMemoryError) or "not enough memory" in str(error).lower():
+                used = readable(self.memory.total)
+                raise DeviceError(
+                    f"The graphics device {self.adapter_name} is out of memory; octolux holds {used}. "
+                    "Try a smaller --size, fewer lights, or lower shadow resolution and grid size."
+                ) from error
             if "lost" not in str(error).lower():
                 raise
             raise DeviceError(
@@ -153,7 +154,13 @@ class Device:
         """The texels of a 2D texture, level 0, as an array (height, width, channels)."""
         width, height = texture.size[:2]
         row = width * channels * np.dtype(dtype).itemsize
+        padded = -(-row // 256) * 256  # rows of copies are multiples of 256 bytes
+        strip = max(1, DEFAULT_LIMITS["max-storage-buffer-binding-size"] // padded)
+        read = [self._read_rows(texture, top, min(strip, height - top), row) for top in range(0, height, strip)]
+        return np.frombuffer(b"".join(read), dtype).reshape(height, width, channels)
+
+    def _read_rows(self, texture: Any, top: int, height: int, row: int) -> bytes:
         with self.guard():
             layout = {"bytes_per_row": row, "rows_per_image": height}
-            raw = self.queue.read_texture({"texture": texture, "origin": (0, 0, 0)}, layout, (width, height, 1))
-        return np.frombuffer(raw, dtype).reshape(height, width, channels)
+            origin = {"texture": texture, "origin": (0, top, 0)}
+            return bytes(self.queue.read_texture(origin, layout, (texture.size[0], height, 1)))

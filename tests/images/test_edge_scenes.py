@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import pi, radians
 
 import numpy as np
 import pytest
 from gpu_tools import front_camera, scene_of
 
-from octolux.frame.frame import FrameSettings
+from octolux.frame.frame import COPY, RENDER, FrameSettings
 from octolux.renderer import Renderer
 from octolux.scene.builtin.shapes import box, quad
 from octolux.scene.cameras import Camera
@@ -99,7 +99,11 @@ def test_a_flat_scene_has_a_volume(device):
 def test_area_lights_are_named_as_left_out(device):
     light = AreaLight(corners=((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)), radiance=(1, 1, 1), name="window")
     renderer = Renderer(scene_of([quad(WALL)], lights=[light]), "none", size=(8, 8), device=device)
-    assert len(renderer.warnings) == 1 and "'window'" in renderer.warnings[0]
+    window, dark = renderer.warnings  # the light that is left out, and that none is left
+    assert "'window'" in window and "no light" in dark
+    renderer.scene.lights.append(LIGHTS[0])
+    assert renderer.warnings == [window]
+    renderer.scene.lights.pop()
     assert not renderer.render(front_camera()).radiance.any()
 
 
@@ -127,3 +131,36 @@ def test_constant_irradiance_of_each_channel(device):
     picture = render(device, scene, "constant", settings=settings, camera=Camera.look_at((0, 0, 0.5), (0, 0, -1)))
     expected = np.array([0.8, 0.4, 0.2]) / pi * [1.0, 2.0, 4.0]
     np.testing.assert_allclose(picture.radiance, np.broadcast_to(expected, picture.radiance.shape), rtol=5e-5)
+
+
+def test_what_makes_a_picture_dark_is_said(device):
+    renderer = Renderer(scene_of([]), "none", size=(8, 8), device=device)
+    dark, empty = renderer.warnings
+    assert "no light" in dark and "no triangles" in empty
+
+
+@pytest.mark.parametrize("degrees", [0.5, 2.0, 20.0])
+def test_a_spot_is_as_bright_on_its_axis_however_narrow(device, degrees):
+    """The middle pixel of an odd picture lies on the axis of camera and spot alike, where the cone's ramp is 1."""
+
+    def on_axis(outer: float) -> np.ndarray:
+        spot = SpotLight(position=(0, 0, 2), direction=(0, 0, -1), intensity=(8, 8, 8), outer_angle=radians(outer))
+        camera = Camera.look_at((0, 0, 2), (0, 0, 0), vertical_fov=radians(degrees))
+        picture = render(device, scene_of([quad(WALL)], lights=[spot]), "none", camera, size=(33, 33))
+        return picture.layers["direct"][16, 16]
+
+    wide = on_axis(45.0)
+    assert wide.min() > 0
+    # float32 tells the axis from 1 to 6e-8, of the 3.8e-5 that the narrowest ramp spans, and the ramp is squared.
+    np.testing.assert_allclose(on_axis(degrees), wide, rtol=2 * 2 * 6e-8 / 3.8e-5)
+
+
+def test_pictures_larger_than_a_buffer_are_read_in_strips(device):
+    """4200 x 4200 texels of 16 bytes are more than the 256 MiB a buffer may have."""
+    texture = device.texture("large", (4200, 4200), "rgba32float", usage=COPY | RENDER)
+    encoder = device.wgpu.create_command_encoder()
+    attachment = {"view": texture.create_view(), "load_op": "clear", "store_op": "store", "clear_value": (1, 2, 3, 4)}
+    encoder.begin_render_pass(color_attachments=[attachment]).end()
+    device.queue.submit([encoder.finish()])
+    read = device.read_texture(texture, np.float32, 4)
+    assert read.shape == (4200, 4200, 4) and (read == (1, 2, 3, 4)).all()
