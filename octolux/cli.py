@@ -99,10 +99,7 @@ def render(
 ) -> None:  # fmt: skip
     """Render SCENE and print what each stage cost."""
     targets = out or [Path("octolux.png")]
-    for path in targets:
-        check_writable(path, list(WRITERS))
-    if stats:
-        check_writable(stats, [".json"])
+    _check_outputs(targets, stats)
     dimensions, overrides = _size(size), _overrides(set_)
     if not math.isfinite(fps):
         raise OctoluxError(f"--fps is a number of frames a second, not {fps}.")
@@ -121,10 +118,21 @@ def render(
     for note in [*loaded.warnings, *renderer.warnings]:
         _notes.print(f"warning: {note}", markup=False)
     picture = _frames(renderer, loaded, camera, frames, fps)
+    _write(picture, {**renderer.statistics(), "energy": picture.energy}, targets, stats)
+
+
+def _check_outputs(targets: list[Path], stats: Path | None) -> None:
+    """Raise OctoluxError before any work is done when something could not be written after it."""
+    for path in targets:
+        check_writable(path, list(WRITERS))
+    if stats:
+        check_writable(stats, [".json"])
+
+
+def _write(picture: Any, statistics: dict[str, Any], targets: list[Path], stats: Path | None) -> None:
     for path in targets:
         write_picture(picture, path)
         _out.print(f"wrote {path}", highlight=False)
-    statistics = {**renderer.statistics(), "energy": picture.energy}
     if stats:
         write_json(statistics, stats)
     _print_table(statistics)
