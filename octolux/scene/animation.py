@@ -7,7 +7,8 @@ from typing import Literal
 
 import numpy as np
 
-Target = Literal["light", "camera", "instance"]
+Target = Literal["light", "camera", "instance", "node"]
+Interpolation = Literal["linear", "step", "cubic", "smooth"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

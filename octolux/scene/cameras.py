@@ -16,6 +16,7 @@ class Camera:
     vertical_fov: radians, full angle; unused when `orthographic_height` is set.
     near: metres; nothing nearer is seen. There is no far plane.
     orthographic_height: metres seen from bottom to top of the picture, or None for perspective.
+    node: index into `Scene.nodes` of the node that carries it, or None.
     """
 
     transform: np.ndarray
@@ -23,6 +24,7 @@ class Camera:
     near: float = 0.01
     orthographic_height: float | None = None
     name: str = ""
+    node: int | None = None
 
     @property
     def position(self) -> np.ndarray:

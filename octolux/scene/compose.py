@@ -14,7 +14,7 @@ from .geometry import flat, tangents
 from .lights import AreaLight, DirectionalLight, Light, PointLight, Vector
 from .materials import Material
 from .meshes import Mesh
-from .scene import Environment, Scene
+from .scene import Scene
 
 
 def placed(scene: Scene, matrix: np.ndarray) -> Scene:
@@ -89,7 +89,7 @@ def combined(scenes: Iterable[Scene], name: str = "") -> Scene:
         result.cameras += scene.cameras
         result.tracks += scene.tracks
         result.warnings += scene.warnings
-        if result.environment == Environment():
+        if result.environment.is_black:
             result.environment = scene.environment
         if result.exposure is None:
             result.exposure = scene.exposure

@@ -1,5 +1,6 @@
 """Lights. Directions are those in which light travels, of any length; colours are linear Rec. 709, in the unit
-named."""
+named. `node` is the index into `Scene.nodes` of the node that carries the light, or None: it stands at the node's
+origin and shines along its -z, as in KHR_lights_punctual."""
 
 from __future__ import annotations
 
@@ -18,6 +19,7 @@ class DirectionalLight:
     direction: Vector
     illuminance: Color
     name: str = ""
+    node: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,6 +29,7 @@ class PointLight:
     position: Vector
     intensity: Color
     name: str = ""
+    node: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +43,7 @@ class SpotLight:
     inner_angle: float = 0.0
     outer_angle: float = pi / 4
     name: str = ""
+    node: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

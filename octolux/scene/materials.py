@@ -10,6 +10,8 @@ import numpy as np
 Wrap = Literal["repeat", "mirrored_repeat", "clamp_to_edge"]
 AlphaMode = Literal["opaque", "mask", "blend"]
 Color = tuple[float, float, float]
+UvTransform = tuple[float, float, float, float, float, float]
+IDENTITY_UV: UvTransform = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,10 +30,14 @@ class Image:
 
 @dataclass(frozen=True, eq=False)
 class Texture:
-    """An image and how its coordinates wrap outside [0, 1]; (u, v) = (0, 0) is the image's upper left corner (glTF)."""
+    """An image and how its coordinates wrap outside [0, 1]; (u, v) = (0, 0) is the image's upper left corner (glTF).
+
+    transform: rows (a, b, c), (d, e, f): the image is read at (a u + b v + c, d u + e v + f).
+    """
 
     image: Image
     wrap: tuple[Wrap, Wrap] = ("repeat", "repeat")
+    transform: UvTransform = IDENTITY_UV
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -43,6 +49,8 @@ class Material:
     metallic_roughness_texture: roughness in G, metallic in B (glTF).
     normal_texture: tangent-space normals, green up (glTF); normal_scale multiplies x and y.
     emissive: emitted radiance in nits (cd/m^2), both faces.
+    alpha_mode: "mask" cuts where alpha is below alpha_cutoff; "blend" lets a share of 1 - alpha of the light through.
+    unlit: shown in its base colour whatever the light and the exposure; it reflects and emits no light.
     """
 
     name: str = ""
@@ -60,3 +68,4 @@ class Material:
     alpha_mode: AlphaMode = "opaque"
     alpha_cutoff: float = 0.5
     double_sided: bool = False
+    unlit: bool = False

@@ -8,6 +8,31 @@ import numpy as np
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class MorphTarget:
+    """Displacements float32 (vertices, 3) that a weight adds to positions, normals and tangents; None is none."""
+
+    positions: np.ndarray | None = None
+    normals: np.ndarray | None = None
+    tangents: np.ndarray | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Deformable:
+    """A mesh as it was modelled, and what moves its vertices: first the morph targets, then the skin.
+
+    positions, normals: float32 (vertices, 3).  tangents: float32 (vertices, 4).
+    joints: uint16 (vertices, k), positions in the skin's list of joints.  weights: float32 (vertices, k), sum 1.
+    """
+
+    positions: np.ndarray
+    normals: np.ndarray
+    tangents: np.ndarray
+    targets: tuple[MorphTarget, ...] = ()
+    joints: np.ndarray | None = None
+    weights: np.ndarray | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Mesh:
     """Triangles of one material.
 
@@ -17,6 +42,8 @@ class Mesh:
     tangents: float32 (vertices, 4), glTF: xyz unit length, w = +1 or -1 the sign of the bitangent cross(n, t) * w.
     indices: uint32 (triangles, 3), counter-clockwise seen from the front.
     material: index into `Scene.materials`.
+    colors: float32 (vertices, 4), linear, multiply the material's base colour and alpha; None is white.
+    deformable: set for meshes that a skin or morph targets deform; the arrays above then hold the present pose.
     """
 
     positions: np.ndarray
@@ -26,12 +53,16 @@ class Mesh:
     indices: np.ndarray
     material: int = 0
     name: str = ""
+    colors: np.ndarray | None = None
+    deformable: Deformable | None = None
 
     def __post_init__(self) -> None:
         count = len(self.positions)
-        expected = {"positions": 3, "normals": 3, "uvs": 2, "tangents": 4}
+        expected = {"positions": 3, "normals": 3, "uvs": 2, "tangents": 4, "colors": 4}
         for attribute, width in expected.items():
             array = getattr(self, attribute)
+            if attribute == "colors" and array is None:
+                continue
             if array.dtype != np.float32 or array.shape != (count, width):
                 raise ValueError(
                     f"mesh '{self.name}': {attribute} must be float32 ({count}, {width}), "
@@ -45,8 +76,16 @@ class Mesh:
 
 @dataclass(frozen=True, eq=False)
 class Instance:
-    """A mesh placed in the world. `transform` is float64 (4, 4), object to world, column vectors."""
+    """A mesh placed in the world.
+
+    transform: float64 (4, 4), object to world, column vectors.
+    node: index into `Scene.nodes` whose place it takes when the scene moves, or None.
+    skin: index into `Scene.skins`, or None.  morph_weights: one for each of the mesh's morph targets.
+    """
 
     mesh: int
     transform: np.ndarray = field(default_factory=lambda: np.eye(4))
     name: str = ""
+    node: int | None = None
+    skin: int | None = None
+    morph_weights: tuple[float, ...] = ()

@@ -8,17 +8,12 @@ import numpy as np
 
 from .animation import Track
 from .cameras import Camera
+from .environment import Environment
 from .lights import Light
-from .materials import Color, Material
+from .materials import Material
 from .meshes import Instance, Mesh
 from .motion import moved_camera, moved_instance, moved_light
-
-
-@dataclass(frozen=True)
-class Environment:
-    """What surrounds the scene. `radiance` in nits, the same from everywhere."""
-
-    radiance: Color = (0.0, 0.0, 0.0)
+from .nodes import Node, Skin
 
 
 @dataclass(kw_only=True)
@@ -26,7 +21,8 @@ class Scene:
     """Meshes, instances, materials, lights, cameras and keyframes. Right-handed, y up, metres, linear Rec. 709.
 
     Lists may be changed at any time; their elements are frozen, so replace an element to change it
-    (`dataclasses.replace`). `exposure` is in EV100, or None when the source names none.
+    (`dataclasses.replace`). What names a node stands where that node stands.
+    `exposure` is in EV100, or None when the source names none.
     `warnings` holds what a loader had to leave out or guess.
     """
 
@@ -36,7 +32,9 @@ class Scene:
     materials: list[Material] = field(default_factory=list)
     lights: list[Light] = field(default_factory=list)
     cameras: list[Camera] = field(default_factory=list)
-    environment: Environment = Environment()
+    environment: Environment = field(default_factory=Environment)
+    nodes: list[Node] = field(default_factory=list)
+    skins: list[Skin] = field(default_factory=list)
     tracks: list[Track] = field(default_factory=list)
     exposure: float | None = None
     warnings: list[str] = field(default_factory=list)

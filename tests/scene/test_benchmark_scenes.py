@@ -14,7 +14,6 @@ from octolux.data import data_folder
 from octolux.scene.cameras import look_at
 from octolux.scene.lights import AreaLight, DirectionalLight, Light, PointLight
 from octolux.scene.load import load_scene
-from octolux.scene.scene import Environment
 
 FOLDER = Path(__file__).resolve().parents[2] / "benchmarks" / "scenes"
 GROUND_TRUTH = ("cornell_point", "cornell_area", "sponza_sunpoint")
@@ -53,7 +52,7 @@ def test_lights_are_those_of_the_ground_truth(pair):
     scene, truth = pair
     expected = [{k: v for k, v in light.items() if k not in ("material", "note")} for light in truth["lights"]]
     assert [as_json(light) for light in scene.lights] == expected
-    assert scene.environment == Environment()
+    assert scene.environment.is_black
 
 
 def test_materials_are_those_of_the_ground_truth(pair):

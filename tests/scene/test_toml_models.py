@@ -78,7 +78,7 @@ def test_a_model_brings_its_lights_cameras_tracks_environment_and_exposure(toml)
     assert [light.name for light in scene.lights] == ["sun"]
     assert [c.name for c in scene.cameras] == ["hall", "gallery"]
     assert [t.name for t in scene.tracks] == ["sun"]
-    assert (scene.environment, scene.exposure) == (atrium.environment, atrium.exposure)
+    assert (scene.environment.radiance, scene.exposure) == (atrium.environment.radiance, atrium.exposure)
 
 
 def test_a_models_lights_and_cameras_can_be_left_out_and_its_sky_replaced(toml):
