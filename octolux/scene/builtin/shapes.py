@@ -124,7 +124,9 @@ def merge(meshes: Sequence[Mesh], name: str | None = None) -> Mesh:
 
 def _mesh(positions, normals, tangents, uvs, indices, material: int, name: str) -> Mesh:
     flat = {"positions": (positions, 3), "normals": (normals, 3), "tangents": (tangents, 4), "uvs": (uvs, 2)}
-    arrays: dict[str, Any] = {key: np.ascontiguousarray(a, dtype=np.float32).reshape(-1, width) for key, (a, width) in flat.items()}
+    arrays: dict[str, Any] = {
+        key: np.ascontiguousarray(a, dtype=np.float32).reshape(-1, width) for key, (a, width) in flat.items()
+    }
     return Mesh(indices=indices.reshape(-1, 3).astype(np.uint32), material=material, name=name, **arrays)
 
 
