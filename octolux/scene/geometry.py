@@ -73,7 +73,7 @@ def tangents(positions: np.ndarray, normals: np.ndarray, uvs: np.ndarray, indice
     normal = normals.astype(np.float64)
     across = tangent - normal * np.sum(normal * tangent, axis=1, keepdims=True)
     usable = _squared(across) > 1e-12 * np.maximum(_squared(tangent), 1e-300)
-    across = np.where(usable[:, None], across, _any_orthogonal(normal))
+    across = np.where(usable[:, None], across, any_orthogonal(normal))
     sign = np.where(usable & (np.sum(np.cross(normal, across) * bitangent, axis=1) < 0), -1.0, 1.0)
     return np.column_stack([unit(across, fallback=(1.0, 0.0, 0.0)), sign]).astype(np.float32)
 
@@ -104,7 +104,7 @@ def unit(vectors: np.ndarray, fallback: tuple[float, float, float] = (0.0, 0.0, 
     return np.where(lengths > 0, vectors / np.where(lengths > 0, lengths, 1.0), fallback)
 
 
-def _any_orthogonal(normals: np.ndarray) -> np.ndarray:
+def any_orthogonal(normals: np.ndarray) -> np.ndarray:
     """A vector orthogonal to each normal: its cross product with the axis that it is least along."""
     axes = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
     return np.cross(axes, normals)
