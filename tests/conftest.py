@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import os
+
 import pytest
 
 from octolux.gpu.device import Device
+
+# Tests neither read nor write the user's cache; those of the cache name a folder of their own.
+os.environ["OCTOLUX_CACHE"] = "off"
 
 
 @pytest.fixture(scope="session")

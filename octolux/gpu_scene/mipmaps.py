@@ -1,10 +1,11 @@
-"""Mip maps: box-filtered in linear light, on the CPU."""
+"""Mip maps: box-filtered in linear light, on the CPU, and kept from one run to the next."""
 
 from __future__ import annotations
 
 import numpy as np
 from PIL import Image as PillowImage
 
+from ..scene import image_cache
 from ..scene.materials import Image
 from ..simulator.tonemap import srgb_decode
 
@@ -14,7 +15,7 @@ _LUT_SIZE = 1 << 14  # fine enough that 8-bit sRGB codes survive: its steepest s
 
 def size_class(image: Image) -> int:
     """The edge length, a power of two, at which `image` is stored: the next above its longer side, 2048 at most."""
-    longer = max(image.pixels.shape[:2])
+    longer = max(image.size)
     return next((size for size in SIZE_CLASSES if size >= longer), SIZE_CLASSES[-1])
 
 
@@ -44,10 +45,26 @@ def _resized(pixels: np.ndarray, size: int) -> np.ndarray:
 
 
 def mip_chain(image: Image, size: int, srgb: bool) -> list[np.ndarray]:
-    """The image as `size` x `size`, and each half down to 1 x 1: uint8 arrays (edge, edge, 4).
+    """The image as `size` x `size`, and each half down to 1 x 1: uint8 arrays (edge, edge, 4), not to be written to.
 
-    Level 0 keeps the file's bytes when the size fits. Averages are taken in linear light where `srgb` says so.
+    Level 0 keeps the file's bytes when the size fits. Averages are taken in linear light where `srgb` says so. Chains
+    of images from files are kept in the cache (`image_cache`).
     """
+    if not image.key:
+        return _made(image, size, srgb)
+    name = f"{image.key}-{size}-{'srgb' if srgb else 'linear'}.mips"
+    edges = [size >> level for level in range(size.bit_length())]
+    kept = image_cache.read(name, sum(4 * edge * edge for edge in edges))
+    if kept is None:
+        levels = _made(image, size, srgb)
+        image_cache.write(name, b"".join(level.tobytes() for level in levels))
+        return levels
+    ends = np.cumsum([4 * edge * edge for edge in edges])
+    return [np.frombuffer(kept[end - 4 * edge * edge : end], np.uint8).reshape(edge, edge, 4)
+            for edge, end in zip(edges, ends.tolist(), strict=True)]  # fmt: skip
+
+
+def _made(image: Image, size: int, srgb: bool) -> list[np.ndarray]:
     pixels = image.pixels
     if pixels.shape[:2] != (size, size):
         pixels = _resized(pixels, size)

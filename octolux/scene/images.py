@@ -6,9 +6,11 @@ import io
 import os
 import struct
 import zlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -16,6 +18,8 @@ import numpy as np
 from PIL import Image as Pillow
 
 from .errors import SceneError
+from .image_cache import content_key, is_known_good, remember_good
+from .lazy_image import LazyImage
 from .materials import Image
 
 MAX_PIXELS = 8192 * 8192  # 256 MiB as RGBA; the largest square that every WebGPU device can hold
@@ -43,27 +47,63 @@ def load_image(source: str | Path | bytes, name: str) -> Image:
     """Decode a file, or the bytes of one, to uint8 RGBA (height, width, 4), row 0 at the top.
 
     name: what to call it in errors and in `Image.name`. 16-bit channels keep their upper 8 bits. Values are not
-    converted between sRGB and linear. Raises FileNotFoundError when there is no such file, SceneError when it holds
-    no picture, or one of more than MAX_PIXELS.
+    converted between sRGB and linear. A file that the cache knows to be good is decoded when its pixels are first asked
+    for. Raises FileNotFoundError when there is no such file, SceneError when it holds no picture, or one of more than
+    MAX_PIXELS.
     """
-    return _decode(ImageSource(Path(source) if isinstance(source, str) else source, name, name))
+    return _load(ImageSource(Path(source) if isinstance(source, str) else source, name, name))
 
 
-def _decode(source: ImageSource) -> Image:
-    stream = io.BytesIO(source.data) if isinstance(source.data, bytes) else source.data
+def _load(source: ImageSource) -> Image:
     try:
-        with Pillow.open(stream, formats=FORMATS) as picture:
-            if picture.width * picture.height > MAX_PIXELS:
-                raise _too_large(source, f"{picture.width} x {picture.height} pixels")
-            return Image(_rgba(picture), source.name)
+        encoded = source.data if isinstance(source.data, bytes) else source.data.read_bytes()
     except FileNotFoundError:
         raise
+    except (OSError, ValueError) as error:
+        raise _unreadable(source, error) from error
+    key = content_key(encoded)
+    with _opened(source, encoded) as picture:
+        image = LazyImage(picture.size, key, partial(_decoded, source, encoded), source.name)
+    if not key or not is_known_good(key):
+        image.pixels  # noqa: B018  decoded now, so that broken files are found
+        remember_good(key)
+    return image
+
+
+@contextmanager
+def _opened(source: ImageSource, encoded: bytes) -> Iterator[Pillow.Image]:
+    """The picture, of which no more than the header need be read. Raises SceneError, also for what happens within."""
+    try:
+        with Pillow.open(io.BytesIO(encoded), formats=FORMATS) as picture:
+            if picture.width * picture.height > MAX_PIXELS:
+                raise _too_large(source, f"{picture.width} x {picture.height} pixels")
+            yield picture
     except _BOMB as error:
         raise _too_large(source, "far too many pixels") from error
     except _BROKEN as error:
-        what = "is a directory" if isinstance(error, IsADirectoryError) else "is no readable picture"
-        what = f"image '{source.name}' {what}"
-        raise SceneError(source.file, source.place, what, f"replace it by one of {', '.join(FORMATS)}") from error
+        raise _unreadable(source, error) from error
+
+
+def _decoded(source: ImageSource, encoded: bytes) -> np.ndarray:
+    with _opened(source, encoded) as picture:
+        return _rgba(picture)
+
+
+def from_pillow(picture: Pillow.Image, name: str) -> Image:
+    """A Pillow image as it is. Raises SceneError when it has more than MAX_PIXELS or cannot be decoded."""
+    source = ImageSource(b"", name, name)
+    if picture.width * picture.height > MAX_PIXELS:
+        raise _too_large(source, f"{picture.width} x {picture.height} pixels")
+    try:
+        return Image(_rgba(picture), name)
+    except _BROKEN as error:
+        raise _unreadable(source, error) from error
+
+
+def _unreadable(source: ImageSource, error: Exception) -> SceneError:
+    what = "is a directory" if isinstance(error, IsADirectoryError) else "is no readable picture"
+    what = f"image '{source.name}' {what}"
+    return SceneError(source.file, source.place, what, f"replace it by one of {', '.join(FORMATS)}")
 
 
 def _too_large(source: ImageSource, size: str) -> SceneError:
@@ -91,7 +131,7 @@ def load_images(sources: Mapping[Key, ImageSource], warnings: list[str]) -> dict
     Raises SceneError as `load_image` does.
     """
     with ThreadPoolExecutor(max_workers=min(8, os.cpu_count() or 1)) as threads:
-        decoded = dict(zip(sources, threads.map(_decode_or_none, sources.values()), strict=True))
+        decoded = dict(zip(sources, threads.map(_load_or_none, sources.values()), strict=True))
     images = {}
     for key, image in decoded.items():
         if image is None:
@@ -101,8 +141,8 @@ def load_images(sources: Mapping[Key, ImageSource], warnings: list[str]) -> dict
     return images
 
 
-def _decode_or_none(source: ImageSource) -> Image | None:
+def _load_or_none(source: ImageSource) -> Image | None:
     try:
-        return _decode(source)
+        return _load(source)
     except FileNotFoundError:
         return None

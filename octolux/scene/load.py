@@ -4,32 +4,59 @@ from __future__ import annotations
 
 import contextlib
 import difflib
+import os
+import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+from . import assimp_scene
 from .errors import SceneError
+from .extents import check_extent
 from .gltf import load_gltf
 from .obj import load_obj
 from .scene import Scene
 
 
-def load_scene(source: str | Path) -> Scene:
-    """The scene that `source` names: a built-in one, or a file by its extension (.obj, .gltf, .glb, .toml).
+def load_scene(source: str | Path | Any) -> Scene:
+    """The scene that `source` names: a built-in one, or a file by its extension (docs/scenes.md lists them).
 
-    A built-in name wins over a file of that name; write ./NAME for the file. Raises SceneError.
+    A built-in name wins over a file of that name; write ./NAME for the file. A trimesh.Trimesh or trimesh.Scene is
+    converted as by `from_trimesh`. Raises SceneError.
     """
     from .builtin import BUILTIN  # imported here: building scenes needs much that loading a file does not
 
     if isinstance(source, str) and source in BUILTIN:
         return BUILTIN[source]()
+    if not isinstance(source, str | os.PathLike):
+        return _converted(source)
     path = Path(source)
     _check_readable(path, list(BUILTIN))
     loader = LOADERS.get(path.suffix.lower())
     if loader is None:
-        known = ", ".join(LOADERS)
-        problem = f"files of the kind '{path.suffix}' are not read" if path.suffix else "the file name has no extension"
-        raise SceneError(source, "", problem, f"give one of {known}, or a built-in scene: {', '.join(sorted(BUILTIN))}")
-    return loader(path)
+        raise _unknown_kind(path, list(BUILTIN))
+    scene = loader(path)
+    check_extent(scene, path)
+    return scene
+
+
+def _converted(source: Any) -> Scene:
+    """An object of a library that this program has imported, or else it could not be one."""
+    trimesh = sys.modules.get("trimesh")
+    if trimesh is not None and isinstance(source, trimesh.Trimesh | trimesh.Scene):
+        from .from_trimesh import from_trimesh
+
+        return from_trimesh(source)
+    remedy = "give a file, a built-in scene's name, or a trimesh.Trimesh or Scene"
+    raise SceneError(type(source).__name__, "", "is nothing that a scene can be loaded from", remedy)
+
+
+def _unknown_kind(path: Path, builtin: list[str]) -> SceneError:
+    known = f"one of {', '.join(LOADERS)}, or a built-in scene: {', '.join(sorted(builtin))}"
+    if not path.suffix:
+        return SceneError(path, "", "the file name has no extension", f"give {known}")
+    export = "export it as .glb, or " if path.suffix.lower() in _EXPORTABLE else ""
+    return SceneError(path, "", f"files of the kind '{path.suffix}' are not read", f"{export}give {known}")
 
 
 def _load_toml(path: Path) -> Scene:
@@ -43,7 +70,10 @@ LOADERS: dict[str, Callable[[Path], Scene]] = {
     ".gltf": load_gltf,
     ".glb": load_gltf,
     ".toml": _load_toml,
+    **dict.fromkeys(assimp_scene.EXTENSIONS, assimp_scene.load_assimp),
 }
+_EXPORTABLE = (".blend", ".max", ".ma", ".mb", ".c4d", ".usd", ".usda", ".usdc", ".usdz", ".skp")
+"""Files of programs that write glTF."""
 
 
 def _check_readable(path: Path, builtin: list[str]) -> None:

@@ -27,6 +27,17 @@ class Image:
         if p.dtype != np.uint8 or p.ndim != 3 or p.shape[2] != 4 or 0 in p.shape:
             raise ValueError(f"image '{self.name}': expected uint8 (height, width, 4), got {p.dtype} {p.shape}")
 
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height, pixels."""
+        height, width = self.pixels.shape[:2]
+        return width, height
+
+    @property
+    def key(self) -> str:
+        """Names the content for the cache of processed textures; "" for images that are not from a file."""
+        return ""
+
 
 @dataclass(frozen=True, eq=False)
 class Texture:

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+
+from .from_arrays import mesh_arrays
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -72,6 +75,21 @@ class Mesh:
             raise ValueError(f"mesh '{self.name}': indices must be uint32 (triangles, 3)")
         if self.indices.size and int(self.indices.max()) >= count:
             raise ValueError(f"mesh '{self.name}': index {int(self.indices.max())} of only {count} vertices")
+
+    @classmethod
+    def from_arrays(cls, positions: Any, indices: Any, normals: Any = None, uvs: Any = None, colors: Any = None,
+                    material: int = 0, name: str = "") -> Mesh:
+        """A mesh from arrays of any numeric type; they are copied.
+
+        positions, normals: (vertices, 3), metres; normals of any length, made smooth with edges above 52.5 degrees
+            when None, for which vertices may be split.
+        indices: (triangles, 3) or flat, whole numbers, counter-clockwise seen from the front.
+        uvs: (vertices, 2), (0, 0) at the image's upper left.
+        colors: (vertices, 3 or 4); floats are linear in [0, 1], whole numbers sRGB in [0, the type's largest].
+
+        Raises OctoluxError that names the array and what is wrong with it.
+        """
+        return cls(**mesh_arrays(positions, indices, normals, uvs, colors), material=material, name=name)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True, eq=False)

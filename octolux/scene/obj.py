@@ -6,17 +6,16 @@ import re
 from collections import Counter
 from pathlib import Path
 
-import assimp_py
 import numpy as np
 
 from . import geometry, obj_materials
+from .assimp import AssimpRefusal, Model, Part, import_model
 from .errors import SceneError
 from .meshes import Instance, Mesh
 from .mtl import MtlEntry, read_mtl
 from .obj_faults import find_fault, without_lines
 from .scene import Scene
 
-_FLAGS = assimp_py.Process_Triangulate | assimp_py.Process_JoinIdenticalVertices | assimp_py.Process_SortByPType
 _MTLLIB = re.compile(rb"^[ \t]*mtllib[ \t]+(.+?)[ \t\r]*$", re.MULTILINE)
 _UNNAMED = "DefaultMaterial"  # what assimp calls the material of faces before any `usemtl`
 
@@ -35,10 +34,10 @@ def load_obj(path: str | Path) -> Scene:
     scene = Scene(name=path.stem)
     entries = _read_libraries(path, scene.warnings)
     model = _import(path, scene.warnings)
-    used = [model.materials[mesh.material_index]["NAME"] for mesh in model.meshes]
+    used = [model.materials[part.material]["NAME"] for part in model.parts]
     slots = _materials(scene, entries, used)
-    for part, material in zip(model.meshes, used, strict=True):
-        if part.num_indices:
+    for part, material in zip(model.parts, used, strict=True):
+        if len(part.indices):
             scene.meshes.append(_mesh(path, part, slots[material]))
             scene.instances.append(Instance(len(scene.meshes) - 1, name=part.name))
     if not any(geometry.has_area(mesh.positions, mesh.indices).any() for mesh in scene.meshes):
@@ -46,18 +45,18 @@ def load_obj(path: str | Path) -> Scene:
     return scene
 
 
-def _import(path: Path, warnings: list[str]):
+def _import(path: Path, warnings: list[str]) -> Model:
     try:
-        return assimp_py.import_file(str(path), _FLAGS)
-    except ValueError:  # assimp_py's answer to lines and points beside the triangles
-        warnings.append(f"{path}: lines and points are left out; only faces are drawn")
-    except RuntimeError as error:
-        raise _fault(path, error) from error
+        return import_model(path)
+    except AssimpRefusal as refusal:
+        if refusal.kind != "ValueError":  # which is its answer to lines and points beside the triangles
+            raise _fault(path, refusal) from refusal
+    warnings.append(f"{path}: lines and points are left out; only faces are drawn")
     try:
         with without_lines(path) as faces_only:
-            return assimp_py.import_file(str(faces_only), _FLAGS)
-    except (RuntimeError, ValueError) as error:
-        raise _fault(path, error) from error
+            return import_model(faces_only)
+    except AssimpRefusal as refusal:
+        raise _fault(path, refusal) from refusal
 
 
 def _fault(path: Path, error: Exception) -> SceneError:
@@ -102,19 +101,16 @@ def _materials(scene: Scene, entries: dict[str, tuple[MtlEntry, Path]], used: li
     return slots
 
 
-def _mesh(path: Path, part, material: int) -> Mesh:
-    count = part.num_vertices
-    positions = np.array(part.vertices, np.float32).reshape(count, 3)
-    indices = np.array(part.indices, np.uint32).reshape(-1, 3)
+def _mesh(path: Path, part: Part, material: int) -> Mesh:
+    positions, indices = part.positions, part.indices
     if not np.isfinite(positions).all():
         place, problem = find_fault(path) or (f"group '{part.name}'", "a position is not finite")
         raise SceneError(path, place, problem, "write finite numbers after 'v', or export the model again")
-    uvs = _uvs(part, count)
+    uvs = part.image_uvs()
     if part.normals is None:
         positions, normals, uvs, indices = geometry.flat(positions, uvs, indices)
     else:
-        normals = np.array(part.normals, np.float32).reshape(count, 3)
-        normals = geometry.repair_normals(positions, normals, indices)
+        normals = geometry.repair_normals(positions, part.normals, indices)
     return Mesh(
         positions=positions,
         normals=normals,
@@ -124,14 +120,3 @@ def _mesh(path: Path, part, material: int) -> Mesh:
         material=material,
         name=part.name,
     )
-
-
-def _uvs(part, count: int) -> np.ndarray:
-    """float32 (count, 2), v flipped to point down; zeros where the file has none or what it has is not finite."""
-    if not part.texcoords:
-        return np.zeros((count, 2), np.float32)
-    stored = np.array(part.texcoords[0], np.float32).reshape(count, part.num_uv_components[0])
-    uvs = np.zeros((count, 2), np.float32)
-    uvs[:, : min(2, stored.shape[1])] = stored[:, :2]
-    uvs[:, 1] = 1.0 - uvs[:, 1]
-    return np.where(np.isfinite(uvs), uvs, np.float32(0.0))

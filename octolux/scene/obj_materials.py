@@ -19,11 +19,16 @@ Decisions, for MTL says less than a renderer needs:
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import partial
 from math import sqrt
 from pathlib import Path
 
+import numpy as np
+
+from .image_cache import content_key
 from .image_maps import is_normal_map, normals_from_height, with_alpha, with_green_up
 from .images import ImageSource, load_images
+from .lazy_image import LazyImage
 from .materials import AlphaMode, Color, Image, Material, Texture
 from .mtl import MapLine, MtlEntry
 
@@ -33,17 +38,21 @@ _REFRACTIVE = (4, 6, 7, 9)
 
 
 def find_file(folder: Path, written: str) -> Path:
-    """The file that an OBJ or MTL in `folder` names: backslashes and letter case as other systems treat them.
+    """The file that a model in `folder` names: backslashes and letter case as other systems treat them, and beside the
+    model, or in `textures` there, when it was written on another computer.
 
     Returns the path as written when there is no such file.
     """
     path = folder / written.replace("\\", "/")
     if _exists(path):
         return path
-    found = Path(path.anchor)
-    for part in path.parts[1:] if path.anchor else path.parts:
-        found = _child(found, part)
-    return found if _exists(found) else path
+    for guess in (path, folder / path.name, folder / "textures" / path.name):
+        found = Path(guess.anchor)
+        for part in guess.parts[1:] if guess.anchor else guess.parts:
+            found = _child(found, part)
+        if _exists(found):
+            return found
+    return path
 
 
 def _exists(path: Path) -> bool:
@@ -89,7 +98,10 @@ class _ImageMaker:
             return plain
         key = (folder, color and color.file, mask.file)
         if key not in self.made:
-            self.made[key] = with_alpha(plain, self.images[folder, mask.file])
+            alpha = self.images[folder, mask.file]
+            first = plain or alpha
+            content = content_key("alpha", first.key, alpha.key, "masked" if plain else "white")
+            self.made[key] = LazyImage(first.size, content, lambda: with_alpha(plain, alpha).pixels, first.name)
         return self.made[key]
 
     def normal(self, folder: Path, line: MapLine, green_up: bool) -> Image:
@@ -97,11 +109,16 @@ class _ImageMaker:
         key = (folder, line.file, line.bump_multiplier, green_up)
         if key not in self.made:
             image = self.images[folder, line.file]
-            if is_normal_map(image):
-                self.made[key] = with_green_up(image, green_up)
-            else:
-                self.made[key] = normals_from_height(image, line.bump_multiplier)
+            content = content_key("normal", image.key, f"{line.bump_multiplier} {green_up}")
+            make = partial(_normals, image, line.bump_multiplier, green_up)
+            self.made[key] = LazyImage(image.size, content, make, image.name)
         return self.made[key]
+
+
+def _normals(image: Image, multiplier: float, green_up: bool) -> np.ndarray:
+    if is_normal_map(image):
+        return with_green_up(image, green_up).pixels
+    return normals_from_height(image, multiplier).pixels
 
 
 def _material(entry: MtlEntry, folder: Path, made: _ImageMaker, warnings: list[str]) -> Material:
