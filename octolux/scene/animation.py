@@ -76,10 +76,11 @@ class Track:
         if self.interpolation == "linear":
             return slerp(start, end, share) if self._turns() else (1.0 - share) * start + share * end
         if self.interpolation == "cubic":
-            return hermite(start, length * self.values[key, 2], end, length * self.values[key + 1, 0], share)
-        sign = -1.0 if self._turns() and start @ end < 0 else 1.0
-        value = hermite(start, length * self._slope(key), sign * end, sign * length * self._slope(key + 1), share)
-        return value if value.any() else start
+            value = hermite(start, length * self.values[key, 2], end, length * self.values[key + 1, 0], share)
+        else:
+            sign = -1.0 if self._turns() and start @ end < 0 else 1.0
+            value = hermite(start, length * self._slope(key), sign * end, sign * length * self._slope(key + 1), share)
+        return value if value.any() or not self._turns() else start  # a quaternion of length 0 turns nowhere
 
     def _slope(self, key: int) -> np.ndarray:
         """The slope at a key of the Catmull-Rom spline for keys of any distance (Barry and Goldman, "A recursive

@@ -6,12 +6,14 @@ from pathlib import Path
 
 from .errors import SceneError
 from .gltf_accessors import Accessors
+from .gltf_animation import read_animations
+from .gltf_carried import read_cameras, read_lights
 from .gltf_container import read_buffers, read_container
 from .gltf_json import Fields
 from .gltf_materials import MaterialReader
 from .gltf_meshes import MeshTable, read_meshes
-from .gltf_nodes import read_cameras, read_lights, visible_nodes
-from .meshes import Instance
+from .gltf_nodes import read_nodes
+from .gltf_skins import read_instances, read_skins
 from .scene import Scene
 
 # KHR_mesh_quantization only widens the component types of attributes, all of which are read anyway.
@@ -26,16 +28,16 @@ SUPPORTED = {
 
 
 def load_gltf(path: str | Path) -> Scene:
-    """Load a .gltf or .glb file: the scene that it shows, its hierarchy flattened to instances.
+    """Load a .gltf or .glb file: the scene that it shows, with its animations as clips.
 
     Each primitive of triangles becomes a Mesh, and an instance for each node that shows it, named as the node (or its
     mesh). Mirroring transforms are kept. Lights are in candela and lux, emission in nits, as the extensions say. Where
     primitives name no material, glTF's default stands behind the file's own.
 
-    Vertex colours, skins, morph targets, animations, lines, points and optional extensions that
-    are not supported are left out and noted in `Scene.warnings`, as are missing images. Everything else that is wrong
-    raises SceneError with its place ("accessor 3"): the file itself, required extensions, indices, lengths and offsets
-    out of range, values that are not finite, wrong types, cycles of nodes, missing buffers, no triangle with an area.
+    Lines, points and optional extensions that are not supported are left out and noted in `Scene.warnings`, as are
+    missing images. Everything else that is wrong raises SceneError with its place ("accessor 3"): the file itself,
+    required extensions, indices, lengths and offsets out of range, values that are not finite, wrong types, cycles of
+    nodes, missing buffers, no triangle with an area.
     """
     path = Path(path)
     root, binary = read_container(path)
@@ -45,16 +47,14 @@ def load_gltf(path: str | Path) -> Scene:
     accessors = Accessors(root, read_buffers(root, binary))
     scene.materials, uv_uses = MaterialReader(root, accessors, scene.warnings).read()
     table = read_meshes(root, accessors, uv_uses, scene.warnings)
-    scene.meshes = table.meshes
-    if all(mesh.material < len(scene.materials) - 1 for mesh in scene.meshes):
+    if all(mesh.material < len(scene.materials) - 1 for mesh in table.meshes):
         scene.materials.pop()
-    nodes = visible_nodes(root)
-    scene.instances = [instance for node, world in nodes for instance in _instances(node, world, root, table)]
+    nodes = read_nodes(root)
+    scene.nodes, scene.skins = nodes.nodes, read_skins(root, accessors, nodes)
+    scene.meshes, scene.instances = read_instances(nodes, table, scene.skins, scene.warnings)
     scene.cameras = read_cameras(root, nodes)
     scene.lights = read_lights(root, nodes, scene.warnings)
-    for key in ("skins", "animations"):
-        if root.children(key, key[:-1]):
-            scene.warnings.append(f"{key} are left out")
+    scene.tracks = read_animations(root, accessors, nodes, table, scene.warnings)
     if not scene.triangle_count:
         raise _nothing(path, table)
     return scene
@@ -78,14 +78,6 @@ def _check_extensions(root: Fields, warnings: list[str]) -> None:
     for name in root.strings("extensionsUsed"):
         if name not in SUPPORTED:
             warnings.append(f"extension {name} is not supported; what it says is left out")
-
-
-def _instances(node: Fields, world, root: Fields, table: MeshTable) -> list[Instance]:
-    index = node.index("mesh", len(table.parts), "mesh")
-    if index is None:
-        return []
-    name = node.string("name", "") or root.children("meshes", "mesh")[index].string("name", "")
-    return [Instance(part, world, name) for part in table.parts[index]]
 
 
 def _nothing(path: Path, table: MeshTable) -> SceneError:

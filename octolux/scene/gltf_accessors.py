@@ -8,7 +8,7 @@ from .gltf_json import Fields
 
 _COMPONENTS = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 _UNSIGNED = (5121, 5123, 5125)
-_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 # An accessor without a buffer view is all zeros, whatever its count: the one place where a short file can ask for any
 # amount of memory. No mesh of zeros needs more.
 _MOST_ZEROS = 1 << 20
@@ -50,6 +50,29 @@ class Accessors:
         if values.dtype.kind != "u":
             raise fields.error("indices must be unsigned integers")
         return values.astype(np.uint32)
+
+    def joints(self, index: int) -> np.ndarray:
+        """uint16 (count, 4): positions in a skin's list of joints. Raises SceneError."""
+        values = self._elements(self.accessors[index], (4,))
+        if values.dtype not in (np.uint8, np.uint16):
+            raise self.accessors[index].error("joints must be unsigned integers of 8 or 16 bits")
+        return values.astype(np.uint16)
+
+    def weights(self, index: int) -> np.ndarray:
+        """float32 (count, 4): weights of joints, none below 0. Raises SceneError."""
+        values = self.vectors(index, 4)
+        if values.min() < 0:
+            raise self.accessors[index].error(f"it holds a negative weight, {values.min():g}")
+        return values
+
+    def matrices(self, index: int) -> np.ndarray:
+        """float64 (count, 4, 4), acting on columns, last row 0 0 0 1. Raises SceneError."""
+        matrices = self.vectors(index, 16).astype(np.float64).reshape(-1, 4, 4).transpose(0, 2, 1)
+        affine = np.isclose(matrices[:, 3], (0.0, 0.0, 0.0, 1.0), atol=1e-5).all(axis=1)
+        if not affine.all():
+            raise self.accessors[index].error(f"the last row of matrix {int(np.argmin(affine))} is not 0 0 0 1")
+        matrices[:, 3] = (0.0, 0.0, 0.0, 1.0)
+        return matrices
 
     def view(self, index: int) -> bytes:
         """The bytes of a buffer view. Raises SceneError."""

@@ -6,8 +6,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import geometry
+from . import geometry, mikktspace
 from .gltf_accessors import Accessors, require
+from .gltf_deformables import Movers, read_movers
+from .gltf_draco import decompressed
 from .gltf_extensions import UvUse
 from .gltf_json import Fields
 from .meshes import Mesh
@@ -18,10 +20,16 @@ _LEFT_OUT = {0: "points", 1: "lines", 2: "lines", 3: "lines"}
 
 @dataclass
 class MeshTable:
-    """The meshes of a file. `parts[i]` are the indices into `meshes` of the primitives of the file's mesh i."""
+    """The meshes of a file, in the pose they were modelled in.
+
+    parts[i]: the indices into `meshes` of the primitives of the file's mesh i.  targets[i]: how many morph targets it
+    has.  fields[i]: its JSON.
+    """
 
     meshes: list[Mesh] = field(default_factory=list)
     parts: list[list[int]] = field(default_factory=list)
+    targets: list[int] = field(default_factory=list)
+    fields: list[Fields] = field(default_factory=list)
     empty: list[str] = field(default_factory=list)  # places of primitives in which no triangle has an area
 
 
@@ -37,6 +45,8 @@ def read_meshes(root: Fields, accessors: Accessors, uv_uses: list[UvUse], warnin
         if not primitives:
             raise fields.error("it has no primitives")
         table.parts.append([])
+        table.targets.append(_target_count(fields, primitives))
+        table.fields.append(fields)
         for primitive in primitives:
             mesh = _primitive(primitive, accessors, uv_uses, fields.string("name", ""), warnings)
             if mesh is None:
@@ -60,34 +70,54 @@ def _primitive(
     attributes = fields.child("attributes")
     if attributes is None or "POSITION" not in attributes:
         raise fields.error("it has no POSITION attribute")
-    for key, what in (("COLOR_0", "vertex colours"), ("JOINTS_0", "skin weights")):
-        if key in attributes:
-            warnings.append(f"{fields.place}: {what} are left out")
-    if "targets" in fields:
-        warnings.append(f"{fields.place}: morph targets are left out")
+    accessors = decompressed(fields, accessors)
     material = fields.index("material", len(uv_uses) - 1, "material")
     positions = _attribute(attributes, accessors, "POSITION", 3)
     indices = _indices(fields, accessors, len(positions), mode, warnings)
     slot = len(uv_uses) - 1 if material is None else material
-    return _mesh(attributes, accessors, positions, indices, slot, uv_uses[slot], name)
+    movers = read_movers(fields, attributes, accessors, len(positions), warnings)
+    return _mesh(attributes, accessors, positions, indices, movers, slot, uv_uses[slot], name)
+
+
+def _target_count(fields: Fields, primitives: list[Fields]) -> int:
+    counts = {len(primitive.children("targets", "target")) for primitive in primitives}
+    if len(counts) > 1:
+        raise fields.error(f"its primitives have {' and '.join(map(str, sorted(counts)))} morph targets, must be alike")
+    return counts.pop()
 
 
 def _mesh(
-    attributes: Fields, accessors: Accessors, positions, indices, material: int, uv_use: UvUse, name: str
+    attributes: Fields,
+    accessors: Accessors,
+    positions: np.ndarray,
+    indices: np.ndarray,
+    movers: Movers,
+    material: int,
+    uv_use: UvUse,
+    name: str,
 ) -> Mesh:
     count = len(positions)
     key = f"TEXCOORD_{uv_use.texcoord}"
     uvs = _attribute(attributes, accessors, key, 2, count) if key in attributes else np.zeros((count, 2), np.float32)
     uvs = uv_use.apply(uvs)
+    colors = _colors(attributes, accessors, count)
     tangents = None
     if "NORMAL" in attributes:
         normals = _attribute(attributes, accessors, "NORMAL", 3, count)
         normals = geometry.repair_normals(positions, normals, indices)
-        if "TANGENT" in attributes and uv_use == UvUse(uv_use.texcoord):
+        if "TANGENT" in attributes and uv_use.keeps_directions():
             tangents = _stored_tangents(_attribute(attributes, accessors, "TANGENT", 4, count))
     else:  # glTF 2.0, section 3.7.2.1: flat normals, and tangents in the file are ignored
+        corners = indices.ravel()
         positions, normals, uvs, indices = geometry.flat(positions, uvs, indices)
-    if tangents is None:
+        movers = movers.take(corners).flat(positions, normals, indices)
+        colors = None if colors is None else colors[corners]
+    if tangents is None and uv_use.normal_map:
+        space = mikktspace.generate(positions, normals, uvs, indices)
+        indices, tangents, movers = space.indices, space.tangents, movers.take(space.vertices)
+        positions, normals, uvs = (array[space.vertices] for array in (positions, normals, uvs))
+        colors = None if colors is None else colors[space.vertices]
+    elif tangents is None:
         tangents = geometry.tangents(positions, normals, uvs, indices)
     return Mesh(
         positions=positions,
@@ -97,7 +127,18 @@ def _mesh(
         indices=indices,
         material=material,
         name=name,
+        colors=colors,
+        deformable=movers.deformable(positions, normals, tangents),
     )
+
+
+def _colors(attributes: Fields, accessors: Accessors, count: int) -> np.ndarray | None:
+    """float32 (vertices, 4), linear, of COLOR_0; None when there is none."""
+    if "COLOR_0" not in attributes:
+        return None
+    colors = _attribute(attributes, accessors, "COLOR_0", (3, 4), count)
+    opaque = np.ones((count, 4 - colors.shape[1]), np.float32)
+    return np.hstack([np.clip(colors, 0.0, 1.0), opaque])  # above 1 a surface would reflect more than it gets
 
 
 def _stored_tangents(stored: np.ndarray) -> np.ndarray | None:
@@ -108,9 +149,11 @@ def _stored_tangents(stored: np.ndarray) -> np.ndarray | None:
     return np.hstack([geometry.unit(stored[:, :3].astype(np.float64)), sign]).astype(np.float32)
 
 
-def _attribute(attributes: Fields, accessors: Accessors, key: str, width: int, count: int | None = None) -> np.ndarray:
+def _attribute(
+    attributes: Fields, accessors: Accessors, key: str, widths: int | tuple[int, ...], count: int | None = None
+) -> np.ndarray:
     index = require(attributes, attributes.index(key, len(accessors), "accessor"), key)
-    values = accessors.vectors(index, width)
+    values = accessors.vectors(index, *((widths,) if isinstance(widths, int) else widths))
     if count is not None and len(values) != count:
         raise attributes.error(f"{key} has {len(values)} elements, POSITION has {count}")
     return values

@@ -56,12 +56,15 @@ def posed_mesh(mesh: Mesh, instance: Instance, skin: Skin | None, worlds: np.nda
     """The deformable mesh of `instance` as it is when nodes stand at `worlds`, float64 (nodes, 4, 4).
 
     Joints place a skin's vertices in the world; the mesh holds them in the space that `Instance.transform` leads to
-    the world from.
+    the world from. Raises OctoluxError when a vertex is not finite.
     """
     palette = None
     if skin is not None:
         palette = np.linalg.inv(instance.transform) @ worlds[list(skin.joints)] @ skin.inverse_bind
-    return deformed(mesh, instance.morph_weights, palette)
+    result = deformed(mesh, instance.morph_weights, palette)
+    if not np.isfinite(result.positions).all():
+        raise OctoluxError(f"mesh '{mesh.name}': the pose of its nodes and weights leads beyond all bounds")
+    return result
 
 
 def world_transforms(nodes: Sequence[Node]) -> np.ndarray:

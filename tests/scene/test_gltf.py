@@ -198,9 +198,6 @@ def test_texture_transform_scales_then_turns_counter_clockwise_then_moves():
 
 def test_what_is_left_out_is_noted(gltf):
     gltf.triangle()
-    colors = gltf.add(np.ones((3, 3), np.float32))
-    gltf.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = colors
-    gltf.json |= {"animations": [{}], "skins": [{}], "extensionsUsed": ["KHR_materials_sheen"]}
-    noted = "\n".join(load_gltf(gltf.write()).warnings)
-    for word in ("vertex colours", "animations", "skins", "KHR_materials_sheen"):
-        assert word in noted
+    gltf.json |= {"extensionsUsed": ["KHR_materials_sheen"]}
+    (noted,) = load_gltf(gltf.write()).warnings
+    assert "KHR_materials_sheen" in noted
