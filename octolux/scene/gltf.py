@@ -18,11 +18,14 @@ from .scene import Scene
 
 # KHR_mesh_quantization only widens the component types of attributes, all of which are read anyway.
 SUPPORTED = {
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_pbrSpecularGlossiness",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+    "KHR_meshopt_compression",
+    "EXT_meshopt_compression",
     "EXT_texture_webp",
 }
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import copy
+from collections.abc import Mapping
+
 import numpy as np
 
 from .gltf_json import Fields
+from .gltf_meshopt import Budget, compression, decompress
 
 _COMPONENTS = {5120: np.int8, 5121: np.uint8, 5122: np.int16, 5123: np.uint16, 5125: np.uint32, 5126: np.float32}
 _UNSIGNED = (5121, 5123, 5125)
@@ -21,6 +25,19 @@ class Accessors:
         self.buffers = buffers
         self.views = root.children("bufferViews", "bufferView")
         self.accessors = root.children("accessors", "accessor")
+        self.budget = Budget()
+        self._decoded: Mapping[str, np.ndarray] = {}  # by the place of an accessor
+        self._decompressed: dict[str, bytes] = {}  # by the place of a buffer view
+
+    def with_decoded(self, decoded: Mapping[int, np.ndarray]) -> Accessors:
+        """These accessors, of which some have values (count, width) from elsewhere than their buffer views."""
+        result = copy.copy(self)
+        result._decoded = {self.accessors[index].place: values for index, values in decoded.items()}
+        return result
+
+    def element_count(self, index: int) -> int:
+        """How many elements an accessor says it has. Raises SceneError."""
+        return self.accessors[index].integer("count", low=1)
 
     def __len__(self) -> int:
         return len(self.accessors)
@@ -80,6 +97,15 @@ class Accessors:
 
     def _view(self, fields: Fields) -> tuple[memoryview, int | None]:
         """A buffer view's bytes and its stride, None when tightly packed."""
+        stride = fields.integer("byteStride", low=4, high=252) if "byteStride" in fields else None
+        if compression(fields) is None:
+            return self._stored(fields), stride
+        if fields.place not in self._decompressed:
+            self._decompressed[fields.place] = decompress(fields, self._stored, self.budget)
+        return memoryview(self._decompressed[fields.place]), stride
+
+    def _stored(self, fields: Fields) -> memoryview:
+        """The bytes from `byteOffset` on of the buffer that a buffer view, or its compressed form, names."""
         number = fields.index("buffer", len(self.buffers), "buffer")
         if number is None:
             raise fields.error("'buffer' is missing")
@@ -87,8 +113,7 @@ class Accessors:
         if offset + length > len(self.buffers[number]):
             end = len(self.buffers[number])
             raise fields.error(f"bytes {offset} to {offset + length} are asked for, buffer {number} has {end}")
-        stride = fields.integer("byteStride", low=4, high=252) if "byteStride" in fields else None
-        return memoryview(self.buffers[number])[offset : offset + length], stride
+        return memoryview(self.buffers[number])[offset : offset + length]
 
     def _elements(self, fields: Fields, widths: tuple[int, ...]) -> np.ndarray:
         """The stored values (count, width), sparse ones put in place."""
@@ -99,7 +124,9 @@ class Accessors:
         width, count = _WIDTHS[name], fields.integer("count", low=1)
         dtype = _component(fields)
         sparse = fields.child("sparse")
-        if "bufferView" in fields:
+        if fields.place in self._decoded:
+            values = _converted(fields, self._decoded[fields.place], (count, width), dtype)
+        elif "bufferView" in fields:
             values = self._strided(fields, count, width, dtype)
         elif count > _MOST_ZEROS:
             raise fields.error(f"it has {count} elements and no buffer view; at most {_MOST_ZEROS} are read")
@@ -140,6 +167,18 @@ def _component(fields: Fields, allowed: tuple[int, ...] = tuple(_COMPONENTS)) ->
     if kind not in allowed:
         raise fields.error(f"componentType {kind} is none of {', '.join(map(str, allowed))}")
     return np.dtype(_COMPONENTS[kind]).newbyteorder("<")
+
+
+def _converted(fields: Fields, values: np.ndarray, shape: tuple[int, int], dtype: np.dtype) -> np.ndarray:
+    """Decoded values in the type and number that the accessor says."""
+    if values.shape != shape:
+        found, wanted = (" x ".join(map(str, size)) for size in (values.shape, shape))
+        raise fields.error(f"its decoded data has {found} numbers, must have {wanted}")
+    with np.errstate(invalid="ignore", over="ignore"):
+        result = values.astype(dtype)
+    if result.dtype.kind != "f" and (result != values).any():
+        raise fields.error(f"its decoded data does not fit the type {dtype.name}")
+    return result
 
 
 def require(fields: Fields, index: int | None, what: str) -> int:

@@ -10,6 +10,7 @@ from urllib.parse import unquote
 
 from .errors import SceneError
 from .gltf_json import Fields, parse
+from .gltf_meshopt import is_fallback
 
 _JSON, _BIN = 0x4E4F534A, 0x004E4942
 
@@ -88,12 +89,14 @@ def _exists(path: Path) -> bool:
 
 
 def read_buffers(root: Fields, binary: bytes | None) -> list[bytes]:
-    """All buffers, each checked to have its declared length."""
+    """All buffers, each checked to have its declared length; those that only stand in for compressed data are empty."""
     return [_buffer(fields, number, binary) for number, fields in enumerate(root.children("buffers", "buffer"))]
 
 
 def _buffer(fields: Fields, number: int, binary: bytes | None) -> bytes:
     length = fields.integer("byteLength", low=1)
+    if is_fallback(fields):
+        return b""
     if "uri" in fields:
         data = read_uri(fields, fields.string("uri"))
     elif number == 0 and binary is not None:

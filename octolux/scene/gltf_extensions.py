@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import cos, sin, sqrt
 from typing import cast
 
@@ -16,12 +16,20 @@ _DIELECTRIC = 0.04
 
 @dataclass(frozen=True)
 class UvUse:
-    """Which TEXCOORD set a texture uses, and how it transforms it: offset, rotation (radians), scale."""
+    """Which TEXCOORD set a texture uses, and how it transforms it: offset, rotation (radians), scale.
+
+    normal_map: whether it stands for a material with a normal map, whose meshes need exact tangents.
+    """
 
     texcoord: int = 0
     offset: tuple[float, ...] = (0.0, 0.0)
     rotation: float = 0.0
     scale: tuple[float, ...] = (1.0, 1.0)
+    normal_map: bool = field(default=False, compare=False)
+
+    def keeps_directions(self) -> bool:
+        """Whether u and v run the same ways before and after, so that tangents stay what they are."""
+        return self.rotation == 0.0 and min(self.scale) > 0.0
 
     def apply(self, uvs: np.ndarray) -> np.ndarray:
         """float32 (vertices, 2): scaled, then rotated, then moved (KHR_texture_transform).
