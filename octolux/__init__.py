@@ -10,14 +10,16 @@ from .picture import Picture
 from .renderer import Renderer
 from .scene.cameras import Camera
 from .scene.errors import OctoluxError, SceneError
+from .scene.from_trimesh import from_trimesh
 from .scene.lights import AreaLight, DirectionalLight, PointLight, SpotLight
 from .scene.load import load_scene as load
-from .scene.materials import Material
+from .scene.materials import Image, Material, Texture
+from .scene.meshes import Instance, Mesh
 from .scene.scene import Environment, Scene
 
 __version__ = "0.1.0"
 
 __all__ = [
-    "AreaLight", "Camera", "DirectionalLight", "Environment", "Material", "OctoluxError", "Picture", "PointLight",
-    "Renderer", "Scene", "SceneError", "SpotLight", "load",
+    "AreaLight", "Camera", "DirectionalLight", "Environment", "Image", "Instance", "Material", "Mesh", "OctoluxError",
+    "Picture", "PointLight", "Renderer", "Scene", "SceneError", "SpotLight", "Texture", "from_trimesh", "load",
 ]  # fmt: skip

@@ -15,6 +15,9 @@ from .materials import Color
 MISSING: Any = object()
 """The default of a field that must be given."""
 
+LARGEST = 1e30
+"""Of numbers in TOML. float32 holds 3.4e38; this leaves room for factors."""
+
 Vector3 = tuple[float, float, float]
 
 
@@ -72,6 +75,7 @@ class Table:
         value = self._get(key, default, "give a number")
         if key not in self.values:
             return value
+        self._usable(key, value)
         if not _is_number(value):
             raise self._wrong(key, value, "a number", "write it without quotes or brackets")
         if not (low <= value <= high and above < value < below):
@@ -106,6 +110,7 @@ class Table:
 
     def color(self, key: str, default: Any = MISSING, *, high: float = inf) -> Color:
         """Three numbers in [0, high] (red, green, blue), or one for all three; or `default`."""
+        self._usable(key, self.values.get(key))
         if key in self.values and _is_number(self.values[key]):
             color = (float(self.values[key]),) * 3
         else:
@@ -135,7 +140,15 @@ class Table:
             raise self.error(key, "is missing", remedy)
         return value
 
+    def _usable(self, key: str, *values: Any) -> None:
+        """Raises SceneError when one of the values is a number, but none to compute with."""
+        for value in values:
+            if isinstance(value, int | float) and not isinstance(value, bool) and not _is_number(value):
+                problem = "not finite" if isinstance(value, float) and not isfinite(value) else "too large"
+                raise self.error(key, f"holds a number that is {problem}", f"give one from -{LARGEST:g} to {LARGEST:g}")
+
     def _row(self, key: str, value: Any, count: int, remedy: str) -> tuple[float, ...]:
+        self._usable(key, *(value if isinstance(value, list) else ()))
         if not isinstance(value, list) or len(value) != count or not all(_is_number(v) for v in value):
             raise self._wrong(key, value, f"{count} numbers", remedy)
         return tuple(float(v) for v in value)
@@ -160,7 +173,7 @@ def nearest(word: str, options: Iterable[str]) -> str:
 
 def _is_number(value: Any) -> bool:
     """Whether it is a number that a float holds; integers in TOML may be larger, and floats may be nan or inf."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= 1e30 and isfinite(value)
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST
 
 
 def _numbered(key: str, number: int, value: dict[str, Any]) -> str:

@@ -39,7 +39,7 @@ def load_model(table: Table) -> Scene:
         scene = replace(scene, materials=[untextured(m) for m in scene.materials])
     scene = replace(scene, lights=scene.lights if lights else [], cameras=scene.cameras if cameras else [])
     kept = {("light", o.name) for o in scene.lights} | {("camera", o.name) for o in scene.cameras}
-    tracks = [t for t in scene.tracks if t.target == "instance" or (t.target, t.name) in kept]
+    tracks = [t for t in scene.tracks if t.target in ("instance", "node") or (t.target, t.name) in kept]
     return placed(replace(scene, tracks=tracks), matrix)
 
 
@@ -48,10 +48,11 @@ def _source(table: Table) -> str | Path:
     name = table.text("file")
     if name in BUILTIN:
         return name
-    prefix, folder = (DATA, _data_scenes(table)) if name.startswith(DATA) else ("", table.file.parent)
-    path = folder / name.removeprefix(prefix)
+    path = file_path(table, "file", name)
+    if path.is_dir():
+        raise table.error("file", f"'{path}' is a folder", "name a file in it")
     if not path.is_file():
-        within = name.rpartition("/")[0] + "/" if "/" in name else prefix
+        within = name.rpartition("/")[0] + "/" if "/" in name else DATA if name.startswith(DATA) else ""
         beside = path.parent.iterdir() if path.parent.is_dir() else ()
         options = [within + file.name for file in beside if file.suffix.lower() in LOADERS]
         problem = f"there is no file '{path}' and no built-in scene of that name"
@@ -59,12 +60,15 @@ def _source(table: Table) -> str | Path:
     return path
 
 
-def _data_scenes(table: Table) -> Path:
+def file_path(table: Table, key: str, name: str) -> Path:
+    """The file that `key` of the table names: beside the TOML file, or in the data folder. Raises SceneError."""
+    if not name.startswith(DATA):
+        return table.file.parent / name
     folder = data_folder() / "scenes"
     if not folder.is_dir():
         remedy = "set the environment variable OCTOLUX_DATA to the folder that holds 'scenes'"
-        raise table.error("file", f"the data folder '{folder}' does not exist", remedy)
-    return folder
+        raise table.error(key, f"the data folder '{folder}' does not exist", remedy)
+    return folder / name.removeprefix(DATA)
 
 
 def _without(table: Table, scene: Scene, patterns: list[str]) -> Scene:

@@ -16,15 +16,17 @@ from typing import Any
 
 from .cameras import Camera
 from .compose import combined, matches, untextured
+from .environment_maps import load_environment_map
 from .errors import SceneError
 from .materials import Material
 from .scene import Environment, Scene
 from .toml_fields import Table, nearest
-from .toml_keyframes import load_track
+from .toml_keyframes import load_track, with_clip_first
 from .toml_lights import load_light
-from .toml_models import load_model
+from .toml_models import file_path, load_model
 
-TOP_KEYS = ("name", "exposure", "environment", "model", "material", "light", "camera", "keyframes")
+TOP_KEYS = ("name", "exposure", "environment", "model", "material", "light", "camera", "keyframes",
+            "animation")
 MATERIAL_KEYS = ("name", "base_color", "alpha", "metallic", "roughness", "specular", "emissive", "normal_scale",
                  "alpha_mode", "alpha_cutoff", "double_sided", "textures")
 
@@ -44,9 +46,9 @@ def load_toml(path: str | Path) -> Scene:
         own = Scene(
             lights=[load_light(t, n) for n, t in enumerate(top.tables("light"), 1)],
             cameras=[_camera(t, n) for n, t in enumerate(top.tables("camera"), 1)],
-            environment=_environment(top.table("environment")),
             exposure=top.number("exposure", None, low=-50.0, high=50.0),
         )
+        own.environment = _environment(top.table("environment"), own.warnings)
         keyframes, overrides = top.tables("keyframes"), top.tables("material")
         name = top.text("name", path.stem)
         scene = combined([own, *(load_model(t) for t in top.tables("model"))], name)
@@ -54,6 +56,7 @@ def load_toml(path: str | Path) -> Scene:
             scene.environment = own.environment
         for table in overrides:
             _override(table, scene)
+        scene.tracks = with_clip_first(top.table("animation"), scene)
         scene.tracks += [load_track(t, scene) for t in keyframes]
         return scene
 
@@ -74,8 +77,7 @@ def _opened(path: Path) -> Iterator[None]:
 
 def _parsed(path: Path) -> dict[str, Any]:
     try:
-        with path.open("rb") as file:
-            return tomllib.load(file)
+        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))  # some editors on Windows begin with a mark
     except OSError as error:
         raise SceneError(path, "", f"cannot be read: {error.strerror}", "check the name and the permissions") from error
     except tomllib.TOMLDecodeError as error:
@@ -88,9 +90,19 @@ def _parsed(path: Path) -> dict[str, Any]:
         raise SceneError(path, "", "lists or tables are nested too deeply", "write it flatter") from error
 
 
-def _environment(table: Table) -> Environment:
-    table.allow(("radiance",))
-    return Environment(table.color("radiance", (0.0, 0.0, 0.0)))
+def _environment(table: Table, warnings: list[str]) -> Environment:
+    table.allow(("radiance", "image", "scale", "rotate"))
+    radiance = table.color("radiance", (0.0, 0.0, 0.0))
+    name = table.text("image", None)
+    scale, degrees = table.number("scale", 1.0, low=0.0), table.number("rotate", 0.0)
+    if name is None:
+        for key in ("scale", "rotate"):
+            if key in table:
+                raise table.error(key, "stands without 'image'", "name an image, or leave it out")
+        return Environment(radiance)
+    path = file_path(table, "image", name)
+    image = load_environment_map(path, scale, table.file, f"{table.place}: image", warnings)
+    return Environment(radiance, image, radians(degrees))
 
 
 def _camera(table: Table, number: int) -> Camera:
