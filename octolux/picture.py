@@ -10,8 +10,12 @@ from typing import Any
 import numpy as np
 
 from .frame.frame import Frame
+from .frame.views import View
 from .gpu.device import Device
 from .gpu_scene.clusters import CLUSTER_TRIANGLES
+from .motion_vectors import motion_vectors
+from .scene.scene import Scene
+from .simulator import environment, tonemap
 from .simulator.camera import octahedral_decode, unpack_normals
 
 # Luminance of linear Rec. 709 (ITU-R BT.709-6, 3.2).
@@ -21,13 +25,22 @@ REC709_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 class Picture:
     """One frame. All layers are float32, linear Rec. 709, not exposed, [row from the top][column][channel].
 
-    The device's pictures are read when the Picture is made, so that later frames do not change it.
+    radiance: (height, width, 3), nits.  alpha: (height, width), the share of the pixel that surfaces cover.
+    display: uint8 (height, width, 4), exposed, tone-mapped, sRGB, opaque.
+    exposure: EV100 of `display`.  object_names: the numbers of layer `object_id` and the names of their instances.
+
+    The device's pictures are read when the Picture is made, so that later frames do not change it. With several samples
+    a pixel, `radiance`, `alpha` and `display` are their mean; all other layers are those of the pixel's centre.
     """
 
-    def __init__(self, device: Device, frame: Frame, exposure: float | None):
+    def __init__(
+        self, device: Device, frame: Frame, exposure: float | None, tone_map: str = "neutral",
+        before: tuple[View, Scene] | None = None,
+    ):  # fmt: skip
         t = frame.targets
-        self.exposure = exposure
-        self.radiance = device.read_texture(t.radiance, np.float32, 4)[..., :3]
+        self.exposure, self.tone_map = exposure, tone_map
+        mean = device.read_texture(t.radiance, np.float32, 4)
+        self.radiance, self.alpha = mean[..., :3], mean[..., 3]
         self.display = device.read_texture(t.display, np.uint8, 4)
         self._surface = device.read_texture(t.surface, np.uint32, 4)
         self._depth = device.read_texture(t.depth, np.float32, 1)[..., 0]
@@ -38,7 +51,9 @@ class Picture:
         self._emissive = self._optional(device, emissive)
         self._ids = device.read_texture(t.ids, np.uint32, 1)[..., 0]
         # By the time layers are asked for, the scene may hold other instances.
-        self._view, self._instance_of_item = frame.views[0], frame.gpu_scene.instance_of_item
+        self._view, self._drawn, self._before = frame.views[0], frame.gpu_scene.drawn, before
+        self.object_names = {n + 1: i.name for n, i in enumerate(frame.scene.instances)}
+        self._surroundings = frame.surroundings
 
     def _optional(self, device: Device, texture: Any) -> np.ndarray:
         if texture is None:
@@ -96,8 +111,25 @@ class Picture:
             "normal": normal,
             "position": self._positions(),
             "depth": self._depth,
+            "alpha": self.alpha,
             "object_id": self._object_ids(),
+            "motion": self._motion(),
         }
+
+    def display16(self) -> np.ndarray:
+        """`display` with 16 bits: uint16 (height, width, 4), worked out here from `radiance`, without filters."""
+        return self._displayed(self.radiance, np.ones_like(self.alpha), 16)
+
+    def cutout(self, bits: int = 8) -> np.ndarray:
+        """The picture without its surroundings: uint8 or uint16 (height, width, 4), straight alpha."""
+        alone = self.radiance - self._surroundings_seen()
+        return self._displayed(alone / np.maximum(self.alpha, 1e-6)[..., None], self.alpha, bits)
+
+    def _displayed(self, radiance: np.ndarray, alpha: np.ndarray, bits: int) -> np.ndarray:
+        signal = tonemap.signal(radiance, self.exposure or 0.0, self.tone_map)
+        top = (1 << bits) - 1
+        codes = np.concatenate([signal, np.clip(alpha, 0.0, 1.0)[..., None]], axis=-1) * top + 0.5
+        return codes.astype(np.uint8 if bits == 8 else np.uint16)
 
     @property
     def geometric_normal(self) -> np.ndarray:
@@ -106,12 +138,24 @@ class Picture:
         codes = np.stack([word & 4095, (word >> 12) & 4095], axis=-1) / 4095 * 2 - 1
         return np.where(self.mask[..., None], octahedral_decode(codes), 0).astype(np.float32)
 
-    def _positions(self) -> np.ndarray:
+    def _surroundings_seen(self) -> np.ndarray:
+        """What of `radiance` lies behind the surfaces."""
         view = self._view
-        height, width = self._depth.shape
+        if view.perspective:
+            directions = view.forward + self._offsets()
+        else:
+            directions = np.broadcast_to(view.forward, self.radiance.shape)
+        return environment.radiance(self._surroundings, directions) * (1.0 - self.alpha)[..., None]
+
+    def _offsets(self) -> np.ndarray:
+        """From the middle of the picture to each pixel, in units of the view's axes: (height, width, 3)."""
+        view, (height, width) = self._view, self._depth.shape
         across = ((np.arange(width) + 0.5) / width * 2 - 1)[None, :, None] * view.right
         upward = (1 - (np.arange(height) + 0.5) / height * 2)[:, None, None] * view.up
-        offset, depth = across + upward, self._depth[..., None]
+        return across + upward
+
+    def _positions(self) -> np.ndarray:
+        view, offset, depth = self._view, self._offsets(), self._depth[..., None]
         if view.perspective:
             position = view.position + depth * (view.forward + offset)
         else:
@@ -119,8 +163,13 @@ class Picture:
         return (position * self.mask[..., None]).astype(np.float32)
 
     def _object_ids(self) -> np.ndarray:
-        """uint32 (height, width): number of the drawn instance plus one, 0 where nothing is seen."""
+        """uint32 (height, width): number of the instance in the scene plus one, 0 where nothing is seen."""
+        if not len(self._drawn.numbers):
+            return np.zeros(self._ids.shape, np.uint32)
         item = np.where(self._ids > 0, (self._ids - 1) // CLUSTER_TRIANGLES, 0)
-        if not len(self._instance_of_item):
-            return np.zeros(item.shape, np.uint32)
-        return np.where(self._ids > 0, self._instance_of_item[item] + 1, 0).astype(np.uint32)
+        number = self._drawn.numbers[self._drawn.item_instance[item]] + 1
+        return np.where(self._ids > 0, number, 0).astype(np.uint32)
+
+    def _motion(self) -> np.ndarray:
+        view, scene = self._before or (self._view, None)
+        return motion_vectors(self._ids, self._positions(), self._drawn, view, scene)

@@ -2,33 +2,38 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from .frame.anti_aliasing import FxaaPass, alpha_shift, sample_view, samples_of
 from .frame.composite import CompositePass
 from .frame.direct import DirectLightPass
+from .frame.environment import SurroundingsMap
 from .frame.frame import Frame, FrameBuffers, FrameSettings, Targets
 from .frame.gbuffer import GBufferPass
 from .frame.lights import light_set, unsupported
 from .frame.rsm import RSMPass
 from .frame.shadows import ShadowMapPass
-from .frame.views import camera_view
+from .frame.views import View, camera_view
 from .frame.visibility import VisibilityPass, draw_list
 from .gpu.device import Device
 from .gpu.profiler import Profiler
 from .gpu_scene.gpu_scene import GpuScene
 from .picture import Picture
 from .scene.cameras import Camera
+from .scene.daylight import sky, sun
 from .scene.default_camera import default_camera
 from .scene.errors import OctoluxError
 from .scene.exposure import metered_exposure
 from .scene.scene import Scene
-from .simulator.tonemap import exposure_factor
+from .simulator.tonemap import TONE_MAPS, exposure_factor
 from .techniques import technique_class
 from .techniques.settings import Settings
 
 _DARKEST = 1e-6  # nits: what a black picture is metered as
+_LISTS = ("meshes", "instances", "materials", "lights", "cameras")
 
 
 class Renderer:
@@ -38,22 +43,32 @@ class Renderer:
     technique: a name of `octolux techniques`; preset: one of its presets; settings: values of its settings by name,
         such as {"n": 64}, or a whole settings object.
     size: (width, height), pixels.  exposure: EV100, or None for the scene's, or else metered from the first frame.
+    anti_aliasing: "off", a number of samples a pixel, "fxaa" (a filter on `display`), or "auto": samples for stills,
+        the filter where `sequence` says that frames follow one another.
+    tone_map: "neutral", "agx", "aces" or "none".
+    default_light: let sun and sky shine where nothing in the scene does.
     device: share one between renderers; profile: time each stage (adds a wait per stage where timestamps are wrong).
 
+    `previous` is the scene of the frame before, from which the layer `motion` is made; it is kept up by `render`.
     Raises OctoluxError for an unknown technique, a bad size or a device that is missing or full.
     """
 
     def __init__(
         self, scene: Scene, technique: str = "uniform-lpv", *, preset: str = "default",
         settings: Settings | dict[str, Any] | None = None, size: tuple[int, int] = (1280, 720),
-        exposure: float | None = None, device: Device | None = None, profile: bool = False,
+        exposure: float | None = None, anti_aliasing: str | int = "off", sequence: bool = False,
+        tone_map: str = "neutral", default_light: bool = True, device: Device | None = None, profile: bool = False,
         frame_settings: FrameSettings | None = None,
     ):  # fmt: skip
         chosen = technique_class(technique)
         self.scene, self.exposure = scene, exposure if exposure is not None else scene.exposure
         _check_exposure(self.exposure)
+        _check_tone_map(tone_map)
+        self.samples, self._filtered = samples_of(anti_aliasing, sequence)
+        self.default_light = default_light
+        self.previous: Scene | None = None
         base = frame_settings or FrameSettings()
-        self.frame_settings = FrameSettings(*size, base.shadow_resolution, base.rsm_resolution)
+        self.frame_settings = replace(base, width=size[0], height=size[1])
         _check_size(self.frame_settings)
         self.device = device or Device()
         with self.device.guard():
@@ -61,8 +76,10 @@ class Renderer:
             self.gpu_scene = GpuScene(self.device)
             self.targets = Targets(self.device, *size)
             self._buffers = FrameBuffers(self.device)
+            self._surroundings = SurroundingsMap(self.device)
             self._direct = DirectLightPass(self.device)
-            self._composite = CompositePass(self.device)
+            self._composite = CompositePass(self.device, tone_map)
+            self._fxaa = FxaaPass(self.device) if self._filtered else None
             if not isinstance(settings, Settings):
                 settings = chosen.settings_class.make(preset, **(settings or {}))
             self.technique = chosen(self.device, settings)
@@ -76,7 +93,9 @@ class Renderer:
             f"{type(light).__name__} '{light.name}' is left out: technique {self.technique.name} has no area lights"
             for light in left_out
         ]
-        if len(left_out) == len(self.scene.lights):
+        if self.default_light and not shines(self.scene):
+            notes.append("nothing in the scene shines: the sun and the sky of a clear day light it")
+        elif self.scene.lights and len(left_out) == len(self.scene.lights):
             notes.append("the scene has no light that shines here: only what glows is seen; add lights in a TOML scene")
         if not self.scene.triangle_count:
             notes.append("the scene holds no triangles: only its surroundings are seen")
@@ -87,49 +106,93 @@ class Renderer:
 
         Everything is lit from scratch. Raises OctoluxError for an unknown camera or a device that failed.
         """
+        if self.exposure is None:
+            self.meter(camera)
         with self.device.guard():
-            frame = self._begin(self._camera(camera))
+            frame = self._begin(camera, self.samples, self.profiler)
             with self.profiler.frame():
                 self._draw(frame)
-            if self.exposure is None:
-                self._meter(frame)
-            return Picture(self.device, frame, self.exposure)
+            picture = Picture(self.device, frame, self.exposure, self._composite.tone_map, self._before(camera))
+        lists: dict[str, Any] = {name: list(getattr(self.scene, name)) for name in _LISTS}
+        self.previous = replace(self.scene, **lists)
+        return picture
+
+    def meter(self, camera: str | int | Camera | None = None) -> float:
+        """Set the exposure from the mean luminance of what `camera` sees, for all frames that follow; returns EV100."""
+        off = Profiler(self.device, "off")  # a frame that is not shown is none of those timed
+        with self.device.guard():
+            frame = self._begin(camera, 1, off)
+            with off.frame():
+                self._draw(frame)
+            luminance = Picture(self.device, frame, 0.0).mean_luminance()
+        self.exposure = metered_exposure(max(luminance, _DARKEST))
+        return self.exposure
 
     def _draw(self, frame: Frame) -> None:
+        view = frame.views[0]
+        for sample in range(frame.samples):
+            frame.sample = sample
+            frame.views[0] = sample_view(view, sample, frame.samples)
+            frame.profiler.submit()
+            self._buffers.aim(frame.views[0], alpha_shift(sample, frame.samples))
+            self._gbuffer.run(frame)
+            if sample == 0:
+                self._light(frame)
+            self._direct.run(frame, self._shadow_maps.sampler, self._surroundings)
+            self.technique.shade(frame)
+            self._composite.run(frame, self._exposure_factor(), self._surroundings)
+        if self._fxaa:
+            self._fxaa.run(frame)
+
+    def _light(self, frame: Frame) -> None:
+        """What all samples of a frame share: shadow maps and the technique's light cache."""
         technique = self.technique
         technique.prepare(frame)
-        self._gbuffer.run(frame)
         self._shadow_maps.run(frame, ids="rsm" in technique.needs)
         if "rsm" in technique.needs:
             self._rsm.run(frame, self._shadow_maps)
         technique.update(frame)
-        self._direct.run(frame, self._shadow_maps.sampler)
-        technique.shade(frame)
-        self._composite.run(frame, self._exposure_factor())
 
-    def _begin(self, camera: Camera) -> Frame:
+    def _begin(self, wanted: str | int | Camera | None, samples: int, profiler: Profiler) -> Frame:
         settings, gpu_scene = self.frame_settings, self.gpu_scene
-        gpu_scene.sync(self.scene)
+        scene = self._lit(self.scene)
+        gpu_scene.sync(scene)
+        self._surroundings.sync(scene.environment)
         if self._passes_of != gpu_scene.version:
             visibility = VisibilityPass(self.device, gpu_scene)
             self._gbuffer = GBufferPass(self.device, gpu_scene, visibility)
             self._shadow_maps = ShadowMapPass(self.device, visibility)
             self._rsm = RSMPass(self.device, gpu_scene, settings)
             self._passes_of = gpu_scene.version
-        lights = light_set(self.scene.lights, gpu_scene.bounds, settings.shadow_resolution)
-        low, high = gpu_scene.bounds
-        reach = float(np.linalg.norm(np.maximum(np.abs(low - camera.position), np.abs(high - camera.position))))
-        views = [camera_view(camera, *self.targets.size, reach), *lights.views]
-        draws = draw_list(gpu_scene, views)
+        of_sky = self._surroundings.lights(settings.sky_lights)
+        lights = light_set([*scene.lights, *of_sky], gpu_scene.bounds, settings.shadow_resolution)
+        views = [self._view(self._camera(wanted, scene)), *lights.views]
+        draws = draw_list(gpu_scene, [views[0].widened(), *lights.views])
         buffers = self._buffers.upload(lights, views, draws)
         return Frame(
-            self.device, self.profiler, self.scene, gpu_scene, settings, self.targets, lights, views, draws, buffers
-        )
+            self.device, profiler, scene, gpu_scene, settings, self.targets, lights, views, draws, buffers,
+            samples=samples,
+        )  # fmt: skip
 
-    def _camera(self, wanted: str | int | Camera | None) -> Camera:
+    def _view(self, camera: Camera) -> View:
+        low, high = self.gpu_scene.bounds
+        reach = float(np.linalg.norm(np.maximum(np.abs(low - camera.position), np.abs(high - camera.position))))
+        return camera_view(camera, *self.targets.size, reach)
+
+    def _before(self, wanted: str | int | Camera | None) -> tuple[View, Scene] | None:
+        if self.previous is None:
+            return None
+        return self._view(self._camera(wanted, self.previous)), self.previous
+
+    def _lit(self, scene: Scene) -> Scene:
+        if not self.default_light or shines(scene):
+            return scene
+        return replace(scene, lights=[*scene.lights, sun()], environment=sky())
+
+    def _camera(self, wanted: str | int | Camera | None, scene: Scene) -> Camera:
         if isinstance(wanted, Camera):
             return wanted
-        cameras = self.scene.cameras or [default_camera(self.scene)]
+        cameras = scene.cameras or [default_camera(scene)]
         names = [c.name for c in cameras]
         if isinstance(wanted, str) and wanted in names:
             return cameras[names.index(wanted)]
@@ -142,14 +205,6 @@ class Renderer:
     def _exposure_factor(self) -> float:
         return float(exposure_factor(self.exposure if self.exposure is not None else 0.0))
 
-    def _meter(self, frame: Frame) -> None:
-        """Set the exposure from the mean luminance of this frame, and keep it for those that follow."""
-        luminance = Picture(self.device, frame, 0.0).mean_luminance()
-        self.exposure = metered_exposure(max(luminance, _DARKEST))
-        frame.profiler = Profiler(self.device, "off")  # composing again is no frame of its own
-        with frame.profiler.frame():
-            self._composite.run(frame, self._exposure_factor())
-
     def statistics(self) -> dict[str, Any]:
         """What `--stats` writes: adapter, technique, settings, size, times and memory."""
         return {
@@ -157,6 +212,7 @@ class Renderer:
             "technique": self.technique.name,
             "settings": self.technique.settings.as_dict(),
             "size": list(self.targets.size),
+            "samples": self.samples,
             "frames": self.profiler.frames,
             "frame_ms": self.profiler.frame_ms(),
             "stages": self.profiler.stages(),
@@ -164,6 +220,17 @@ class Renderer:
             "timing_note": self.profiler.note,
             "memory_bytes": {"total": self.device.memory.total, **self.device.memory.by_label()},
         }
+
+
+def shines(scene: Scene) -> bool:
+    """Whether anything in the scene gives light."""
+    glowing = any(max(m.emissive) > 0 or m.unlit for m in scene.materials)
+    return bool(scene.lights) or glowing or not scene.environment.is_black
+
+
+def _check_tone_map(tone_map: str) -> None:
+    if tone_map not in TONE_MAPS:
+        raise OctoluxError(f"There is no tone map '{tone_map}'. There are: {', '.join(TONE_MAPS)}.")
 
 
 def _check_exposure(exposure: float | None) -> None:

@@ -7,48 +7,57 @@ from typing import Any
 from ..gpu.bindings import storage_texture, texture, uniform
 from ..gpu.device import Device
 from ..gpu.passes import ComputePass
+from .environment import SurroundingsMap
 from .frame import Frame
 from .shader_values import CONSTANTS
-from .structs import COMPOSITE
+from .structs import COMPOSITE, ENVIRONMENT, VIEW, views_binding
+
+# The shader's name of each tone map of simulator/tonemap.py.
+_FUNCTIONS = {"none": "clipped", "neutral": "neutral_tone_map", "agx": "agx", "aces": "aces"}
+_INPUTS = ("emissive_map", "irradiance_map", "specular_map")
 
 
 class CompositePass:
-    """Variants by which inputs there are; each is built when first needed."""
+    """Variants by which inputs there are and which sample of the pixel it is; each is built when first needed."""
 
-    def __init__(self, device: Device):
-        self.device = device
-        self._variants: dict[tuple[bool, bool, bool], ComputePass] = {}
+    def __init__(self, device: Device, tone_map: str):
+        self.device, self.tone_map = device, tone_map
+        self._variants: dict[tuple[frozenset[str], bool, bool], ComputePass] = {}
         self._settings = device.uniform("composite settings", COMPOSITE.array(1))
 
-    def _variant(self, emissive: bool, irradiance: bool, specular: bool) -> ComputePass:
-        key = (emissive, irradiance, specular)
+    def _variant(self, there: frozenset[str], first: bool, last: bool) -> ComputePass:
+        key = (there, first, last)
         if key not in self._variants:
-            optional = [("emissive_map", emissive), ("irradiance_map", irradiance), ("specular_map", specular)]
+            flags: dict[str, Any] = {name.removesuffix("_map"): name in there for name in _INPUTS}
             self._variants[key] = ComputePass(
                 self.device, "composite", "frame/composite.wgsl",
                 [
-                    uniform("settings", COMPOSITE), texture("surface_map", "uint"), texture("depth_map"),
-                    texture("direct_map"), *(texture(name) for name, there in optional if there),
-                    storage_texture("radiance_out", "rgba32float"), storage_texture("display_out", "rgba8unorm"),
+                    uniform("settings", COMPOSITE), views_binding(), texture("surface_map", "uint"),
+                    texture("depth_map"), texture("direct_map"), *(texture(name) for name in _INPUTS if name in there),
+                    *(() if first else (texture("radiance_so_far"),)), storage_texture("radiance_out", "rgba32float"),
+                    *((storage_texture("display_out", "rgba8unorm"),) if last else ()), *SurroundingsMap.bindings(),
                 ],
-                structs=[COMPOSITE], workgroup=(32, 2, 1),  # it only loads and stores: rows suit it better than squares
-                emissive=emissive, irradiance=irradiance, specular=specular, **CONSTANTS,
+                structs=[COMPOSITE, VIEW, ENVIRONMENT],
+                workgroup=(32, 2, 1),  # it only loads and stores: rows suit it better than squares
+                first=first, last=last, sky=0, tone_map=_FUNCTIONS[self.tone_map], **flags, **CONSTANTS,
             )  # fmt: skip
         return self._variants[key]
 
-    def run(self, frame: Frame, exposure: float) -> None:
-        """Write `radiance` and `display`. `exposure` is the factor from nits to the picture's unit."""
-        background = frame.scene.environment.radiance
-        self.device.write(self._settings, COMPOSITE.pack(background=background, exposure=exposure))
-        emissive = frame.targets.emissive if frame.gpu_scene.has_emission else None
-        optional: dict[str, Any] = {
-            "emissive_map": emissive, "irradiance_map": frame.irradiance, "specular_map": frame.specular,
-        }  # fmt: skip
-        there = {name: texture for name, texture in optional.items() if texture is not None}
-        variant = self._variant(*(name in there for name in optional))
-        t = frame.targets
+    def run(self, frame: Frame, exposure: float, surroundings: SurroundingsMap) -> None:
+        """Add this sample to `radiance`; after the last one also write `display`. `exposure` is the factor from nits to
+        the picture's unit."""
+        self.device.write(self._settings, COMPOSITE.pack(exposure=exposure, weight=1.0 / frame.samples))
+        t, first, last = frame.targets, frame.sample == 0, frame.sample == frame.samples - 1
+        emissive = t.emissive if frame.gpu_scene.has_emission else None
+        optional = dict(zip(_INPUTS, (emissive, frame.irradiance, frame.specular), strict=True))
+        inputs: dict[str, Any] = {name: texture for name, texture in optional.items() if texture is not None}
+        variant = self._variant(frozenset(inputs), first, last)
+        if not first:
+            inputs["radiance_so_far"] = t.swap_radiance(self.device)
+        if last:
+            inputs["display_out"] = t.display
         with frame.profiler.stage("composite") as stage:
             variant.run(
-                stage, frame.pixels, settings=self._settings, surface_map=t.surface, depth_map=t.depth,
-                direct_map=t.direct, radiance_out=t.radiance, display_out=t.display, **there,
+                stage, frame.pixels, settings=self._settings, views=frame.buffers["views"], surface_map=t.surface,
+                depth_map=t.depth, direct_map=t.direct, radiance_out=t.radiance, **inputs, **surroundings.resources,
             )  # fmt: skip

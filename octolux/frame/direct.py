@@ -1,4 +1,4 @@
-"""Direct light with shadows, towards the camera."""
+"""Direct light with shadows, towards the camera: lights and sky."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from typing import Any
 from ..gpu.bindings import sampler, storage_texture, texture
 from ..gpu.device import Device
 from ..gpu.passes import ComputePass
+from .environment import SurroundingsMap
 from .frame import Frame
+from .lights import KINDS
 from .shader_values import CONSTANTS
-from .structs import LIGHT, VIEW, lights_binding, views_binding
+from .structs import ENVIRONMENT, LIGHT, VIEW, lights_binding, views_binding
 from .views import CUBE_FACES
 
 # Up to so many lights are unrolled; more would make the shader long to build.
@@ -17,40 +19,46 @@ _UNROLLED = 8
 
 
 class DirectLightPass:
-    """The glTF BRDF under every directional, spot and point light: radiance in nits. A pass is built for each number of
-    lights of each kind, and kept."""
+    """The glTF BRDF under the sky and every directional, spot and point light: radiance in nits. A pass is built for
+    each number of lights of each kind, and kept."""
 
     def __init__(self, device: Device):
         self.device = device
-        self._variants: dict[tuple[int, ...], ComputePass] = {}
+        self._variants: dict[tuple[int, int, int, int], ComputePass] = {}
 
-    def _variant(self, counts: tuple[int, int, int]) -> ComputePass:
+    def _variant(self, counts: tuple[int, int, int, int]) -> ComputePass:
         if counts not in self._variants:
             self._variants[counts] = ComputePass(
                 self.device, "direct light", "frame/direct.wgsl",
                 [
                     views_binding(), lights_binding(), texture("surface_map", "uint"), texture("depth_map"),
                     texture("shadow_maps", "depth", "2d-array"), sampler("shadow_sampler", "non-filtering"),
-                    storage_texture("direct_out", "rgba32float"),
+                    storage_texture("direct_out", "rgba32float"), *(SurroundingsMap.bindings() if counts[1] else ()),
                 ],
-                structs=[VIEW, LIGHT], shadows=True, groups=_groups(counts), unrolled=sum(counts) <= _UNROLLED,
-                **CONSTANTS,
+                structs=[VIEW, LIGHT, ENVIRONMENT], shadows=True, **_groups(counts), **CONSTANTS,
             )  # fmt: skip
         return self._variants[counts]
 
-    def run(self, frame: Frame, shadow_sampler: Any) -> None:
+    def run(self, frame: Frame, shadow_sampler: Any, surroundings: SurroundingsMap) -> None:
+        sky = surroundings.resources if frame.lights.counts[1] else {}
         with frame.profiler.stage("direct light") as stage:
             self._variant(frame.lights.counts).run(
                 stage, frame.pixels, surface_map=frame.targets.surface, depth_map=frame.targets.depth,
                 shadow_maps=frame.shadow_maps, shadow_sampler=shadow_sampler, direct_out=frame.targets.direct,
-                views=frame.buffers["views"], lights=frame.buffers["lights"],
+                views=frame.buffers["views"], lights=frame.buffers["lights"], **sky,
             )  # fmt: skip
 
 
-def _groups(counts: tuple[int, int, int]) -> list[tuple[str, int, int, int, int]]:
-    """For each kind in the order of the lights: name, first light, number of lights, first view, views of each."""
-    groups, light, view = [], 0, 1  # view 0 is the camera
-    for kind, count, views_each in zip(("directional", "spot", "point"), counts, (1, 1, CUBE_FACES), strict=True):
-        groups.append((kind, light, count, view, views_each))
+def _groups(counts: tuple[int, int, int, int]) -> dict[str, Any]:
+    """For the template: `groups`, for each kind in the order of the lights but the sky its name, first light, number of
+    lights, first view, views of each; and where the sky's lights and views begin."""
+    groups: list[tuple[str, int, int, int, int]] = []
+    light, view = 0, 1  # view 0 is the camera
+    values: dict[str, Any] = {"sky": counts[1], "unrolled": sum(counts) - counts[1] <= _UNROLLED, "groups": groups}
+    for kind, count, views_each in zip(KINDS, counts, (1, 1, 1, CUBE_FACES), strict=True):
+        if kind == "sky":
+            values |= {"sky_first": light, "sky_view": view}
+        else:
+            groups.append((kind, light, count, view, views_each))
         light, view = light + count, view + count * views_each
-    return groups
+    return values

@@ -1,4 +1,4 @@
-// Direct light of every directional, spot and point light, with shadows: outgoing radiance towards the camera.
+// Direct light of the sky and of every directional, spot and point light, with shadows: outgoing radiance towards the camera.
 // A few lights are unrolled: with constant indices a software adapter reads lights and views once for all pixels.
 {{ use("shaders/view.wgsl") }}
 {{ use("shaders/brdf.wgsl") }}
@@ -36,6 +36,44 @@ fn from_point(p: Point, index: u32, first_view: u32) -> vec3f {
     return reflected(p, normalize(to_light), point_illuminance(light, to_light), lit);
 }
 
+{% if sky %}
+{{ use("shaders/environment.wgsl") }}
+
+// The sky: its irradiance and its reflection, times what arrives of it past the scene. A few distant lights that stand for it
+// and have shadow maps say that: of the irradiance each is a share; of the lobe around the mirrored direction, a von
+// Mises-Fisher lobe of the GGX lobe's sharpness (Wang et al. 2009, 3.2), but none narrower than the share of one light.
+fn from_sky(p: Point) -> vec3f {
+    let s = p.surface;
+    let n_v = max(dot(s.normal, p.to_eye), 0.0);
+    let mirrored = reflect(-p.to_eye, s.normal);
+    let roughness = max(s.roughness, {{ min_roughness }});
+    let alpha = roughness * roughness;
+    let sharpness = min(0.5 / (alpha * alpha * max(n_v, 0.05)), {{ 0.5 * sky }});
+    var all = vec3f(0.0);
+    var arrived = vec3f(0.0);
+    var lobe = vec2f(0.0);
+    for (var i = {{ sky_first }}u; i < {{ sky_first + sky }}u; i++) {
+        let light = lights[i];
+        let l = -light.direction;
+        var lit = 0.0;
+        if dot(s.geometric_normal, l) > 0.0 {
+            lit = lit_fraction({{ sky_view - sky_first }}u + i, p.position, s.geometric_normal, light.texel);
+        }
+        let share = light.color * max(dot(s.normal, l), 0.0);
+        all += share;
+        arrived += lit * share;
+        lobe += exp(sharpness * (dot(mirrored, l) - 1.0)) * vec2f(1.0, lit);
+    }
+    let irradiance = environment_irradiance_at(s.normal) * arrived / max(all, vec3f(1e-20));
+    let even = even_reflection(roughness, n_v);
+    let f0 = mix(vec3f({{ dielectric_f0 }} * s.specular), s.base_color, s.metallic);
+    let f90 = s.specular * (1.0 - s.metallic) + s.metallic;
+    let reflected = environment_lobe(mirrored, alpha) * (lobe.y / lobe.x);
+    let kept = 1.0 - mix(f0, vec3f(f90), even.z);
+    return kept * diffuse_albedo(s) / {{ pi }} * irradiance + (f0 * even.x + f90 * even.y) * reflected;
+}
+{% endif %}
+
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) pixel: vec3u) {
     if any(pixel.xy >= textureDimensions(depth_map)) { return; }
@@ -48,6 +86,9 @@ fn main(@builtin(global_invocation_id) pixel: vec3u) {
     let surface = unpack_surface(textureLoad(surface_map, pixel.xy, 0));
     let p = Point(ray.origin + depth * ray.direction, -normalize(ray.direction), surface);
     var radiance = vec3f(0.0);
+    {% if sky %}
+    radiance += from_sky(p);
+    {% endif %}
     {% for kind, first, count, first_view, views_each in groups %}
     {% if unrolled %}
     {% for i in range(count) %}

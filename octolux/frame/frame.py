@@ -11,9 +11,10 @@ import wgpu
 from ..gpu.device import Device
 from ..gpu.profiler import Profiler
 from ..gpu_scene.gpu_scene import GpuScene
+from ..scene.environment import Environment
 from ..scene.scene import Scene
 from .lights import LightSet
-from .structs import LIGHT, MAX_LIGHTS, MAX_VIEWS, RASTER_VIEW_STRIDE, VIEW
+from .structs import LIGHT, MAX_LIGHTS, MAX_VIEWS, RASTER_VIEW, RASTER_VIEW_STRIDE, VIEW
 from .views import View
 from .visibility import DrawList
 
@@ -26,13 +27,15 @@ class FrameSettings:
     """What all techniques share.
 
     width, height: pixels.  shadow_resolution: texels along a shadow map's edge.  rsm_resolution: VPLs along an RSM's
-    edge, one taken of each block of shadow texels; it divides shadow_resolution.
+    edge, one taken of each block of shadow texels; it divides shadow_resolution.  sky_lights: distant lights that stand
+    for the surroundings, each with a shadow map; 0 leaves the surroundings to be seen without lighting anything.
     """
 
     width: int = 1280
     height: int = 720
     shadow_resolution: int = 1024
     rsm_resolution: int = 256
+    sky_lights: int = 16
 
 
 class Targets:
@@ -52,11 +55,24 @@ class Targets:
         self.radiance = make("radiance", "rgba32float")
         self.display = make("display", "rgba8unorm")
         self.emissive: Any = None
+        self._other_radiance: Any = None
 
     def need_emissive(self, device: Device) -> None:
         if self.emissive is None:
             usage = STORAGE | TEXTURE | COPY
             self.emissive = device.texture("emissive", self.size, "rgba32float", usage=usage)
+
+    def display_like(self, device: Device) -> Any:
+        """Another texture as `display` is."""
+        return device.texture("display", self.size, "rgba8unorm", usage=STORAGE | TEXTURE | COPY)
+
+    def swap_radiance(self, device: Device) -> Any:
+        """Put another texture in the place of `radiance`, and return what was there: no pass can read and write one."""
+        if self._other_radiance is None:
+            usage = STORAGE | TEXTURE | COPY
+            self._other_radiance = device.texture("radiance", self.size, "rgba32float", usage=usage)
+        self.radiance, self._other_radiance = self._other_radiance, self.radiance
+        return self._other_radiance
 
 
 @dataclass(eq=False)
@@ -66,6 +82,7 @@ class Frame:
     shadow_maps: depth array; vpls: buffer [layer][row][column] of VPL, set when the technique needs RSMs.
     irradiance: rgba32float texture a technique writes: irradiance before albedo, and ambient visibility in alpha;
     specular: radiance already weighted by the BRDF. None is black.
+    sample, samples: which of the samples of each pixel is being made, and of how many.
     """
 
     device: Device
@@ -82,6 +99,12 @@ class Frame:
     vpls: Any = None
     irradiance: Any = None
     specular: Any = None
+    sample: int = 0
+    samples: int = 1
+
+    @property
+    def surroundings(self) -> Environment:
+        return self.scene.environment
 
     @property
     def pixels(self) -> tuple[int, int]:
@@ -117,3 +140,9 @@ class FrameBuffers:
         for name, data in contents.items():
             self.device.write(self._kept[name], data)
         return dict(self._kept)
+
+    def aim(self, view: View, alpha_shift: float) -> None:
+        """Let the camera look along `view` from now on."""
+        packed = RASTER_VIEW.pack(view_projection=view.view_projection.T, alpha_shift=alpha_shift)
+        self.device.write(self._kept["views"], view.pack())
+        self.device.write(self._kept["raster_views"], packed)

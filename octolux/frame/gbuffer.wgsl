@@ -23,15 +23,28 @@ fn main(@builtin(global_invocation_id) pixel: vec3u) {
     // Both sides of a surface reflect; the normal is that of the side we see.
     let facing = select(1.0, -1.0, dot(hit.geometric_normal, ray.direction) > 0.0);
     let roughness_metallic = material_roughness_metallic(material, hit.uv, hit.footprint);
+    var reflected = base_color(hit, material).rgb;
+    var specular = material.specular;
+    {% if unlit %}
+    let shown = reflected;
+    if material.unlit == 1u {
+        reflected = vec3f(0.0);
+        specular = 0.0;
+    }
+    {% endif %}
     let surface = Surface(
         facing * mapped_normal(hit, material),
         facing * hit.geometric_normal,
-        material_base_color(material, hit.uv, hit.footprint).rgb,
-        roughness_metallic.x, roughness_metallic.y, material.specular,
+        reflected, roughness_metallic.x, roughness_metallic.y, specular,
     );
     textureStore(surface_out, pixel.xy, pack_surface(surface));
     textureStore(depth_out, pixel.xy, vec4f(hit.depth));
     {% if emissive %}
-    textureStore(emissive_out, pixel.xy, vec4f(material_emissive(material, hit.uv, hit.footprint), 1.0));
+    // Alpha 1 is for what is shown as it is, whatever the exposure.
+    var emitted = vec4f(material_emissive(material, hit.uv, hit.footprint), 0.0);
+    {% if unlit %}
+    if material.unlit == 1u { emitted = vec4f(shown, 1.0); }
+    {% endif %}
+    textureStore(emissive_out, pixel.xy, emitted);
     {% endif %}
 }

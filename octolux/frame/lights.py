@@ -19,7 +19,7 @@ Bounds = tuple[np.ndarray, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class LightSet:
-    """Lights in the order directional, spot, point, packed as WGSL's `Light`.
+    """Lights in the order of KINDS, packed as WGSL's `Light`.
 
     counts: of each kind, in that order.
     views: of all shadow maps; layer i of the shadow maps is views[i].  light_of_view: its light's index.
@@ -28,7 +28,7 @@ class LightSet:
 
     lights: list[Light]
     packed: np.ndarray
-    counts: tuple[int, int, int]
+    counts: tuple[int, int, int, int]
     views: list[View]
     light_of_view: list[int]
     total_flux: np.ndarray
@@ -38,13 +38,22 @@ class LightSet:
         return [layer for layer, index in enumerate(self.light_of_view) if index == light]
 
 
+@dataclass(frozen=True, kw_only=True)
+class SkyLight(DirectionalLight):
+    """A part of the sky, as if all its light came from one direction."""
+
+
+KINDS = {"directional": DirectionalLight, "sky": SkyLight, "spot": SpotLight, "point": PointLight}
+"""Lights that have shadow maps, in the order in which they lie on the device."""
+
+
 def light_set(lights: list[Light], bounds: Bounds, resolution: int) -> LightSet:
     """Pack the lights that have shadow maps; area lights are not among them (`unsupported` names them).
 
     Raises DeviceError when their shadow maps need more layers than an array has.
     """
-    kinds = (DirectionalLight, SpotLight, PointLight)
-    ordered: list[Light] = [light for kind in kinds for light in lights if isinstance(light, kind)]
+    by_kind: list[list[Light]] = [[x for x in lights if type(x) is kind] for kind in KINDS.values()]
+    ordered = [light for group in by_kind for light in group]
     packed = LIGHT.array(max(1, len(ordered)))
     views: list[View] = []
     owners: list[int] = []
@@ -58,13 +67,9 @@ def light_set(lights: list[Light], bounds: Bounds, resolution: int) -> LightSet:
             f"{len(ordered)} lights need {len(views)} shadow maps; {DEFAULT_LIMITS['max-texture-array-layers']} is the "
             "most (a point light needs six). Use fewer lights."
         )
-    counts = (
-        sum(isinstance(light, DirectionalLight) for light in ordered),
-        sum(isinstance(light, SpotLight) for light in ordered),
-        sum(isinstance(light, PointLight) for light in ordered),
-    )
+    directional, sky, spot, point = (len(group) for group in by_kind)
     flux = np.array([_total_flux(light, v) for light, v in zip(ordered, _grouped(views, owners), strict=True)])
-    return LightSet(ordered, packed, counts, views, owners, flux.reshape(-1, 3))
+    return LightSet(ordered, packed, (directional, sky, spot, point), views, owners, flux.reshape(-1, 3))
 
 
 def unsupported(lights: list[Light]) -> list[Light]:

@@ -24,7 +24,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let down = Ray(scale * view.origin_dy, scale * view.direction_dy);
     let hit = hit_triangle(triangle, ray, to_right, down);
     let material = load_materials(hit.material);
-    let base_color = material_base_color(material, hit.uv, hit.footprint).rgb;
+    var reflected = base_color(hit, material).rgb;
+    {% if unlit %}
+    if material.unlit == 1u { reflected = vec3f(0.0); }
+    {% endif %}
     let metallic = material_roughness_metallic(material, hit.uv, hit.footprint).y;
     let facing = select(1.0, -1.0, dot(hit.geometric_normal, ray.direction) > 0.0);
 
@@ -39,6 +42,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     } else {
         received *= length(to_right.origin) * length(down.origin);
     }
-    let albedo = base_color * (1.0 - metallic);
+    let albedo = reflected * (1.0 - metallic);
     vpls[index] = Vpl(hit.position, pack_unit_vector(facing * hit.normal), albedo * received, 0.0);
 }

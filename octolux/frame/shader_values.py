@@ -5,9 +5,17 @@ from __future__ import annotations
 from math import pi
 from typing import Any
 
+import numpy as np
+
 from ..gpu_scene.clusters import CLUSTER_TRIANGLES
 from ..gpu_scene.gpu_scene import GpuScene
-from ..simulator import brdf, tonemap
+from ..simulator import brdf, environment, tonemap
+
+
+def wgsl_matrix(matrix: np.ndarray) -> str:
+    """A 3 x 3 matrix as a WGSL expression; WGSL lists columns."""
+    return f"mat3x3f({', '.join(repr(float(v)) for v in matrix.T.ravel())})"
+
 
 CONSTANTS: dict[str, Any] = {
     "pi": pi,
@@ -16,18 +24,19 @@ CONSTANTS: dict[str, Any] = {
     "f90_offset": tonemap.F90_OFFSET,
     "start_compression": tonemap.START_COMPRESSION,
     "desaturation": tonemap.DESATURATION,
+    "agx_inset": wgsl_matrix(tonemap.AGX_INSET),
+    "agx_outset": wgsl_matrix(tonemap.AGX_OUTSET),
+    "agx_ev": tonemap.AGX_EV,
+    "agx_curve": tonemap.AGX_CURVE,
+    "agx_power": tonemap.AGX_POWER,
+    "aces_input": wgsl_matrix(tonemap.ACES_INPUT),
+    "aces_output": wgsl_matrix(tonemap.ACES_OUTPUT),
+    "aces_numerator": tonemap.ACES_NUMERATOR,
+    "aces_denominator": tonemap.ACES_DENOMINATOR,
+    "brdf_table_size": len(environment.brdf_table()),
 }
 
 
 def surface_values(scene: GpuScene) -> dict[str, Any]:
     """For shaders/surface.wgsl and shaders/material.wgsl: only what the scene's materials have is compiled in."""
-    classes = scene.textures.classes
-    return {
-        "cluster_bits": CLUSTER_TRIANGLES.bit_length() - 1,
-        "srgb_edges": [edge for edge, srgb in classes if srgb],
-        "log2_of": {edge: float(edge.bit_length() - 1) for edge, _ in classes},
-        "linear_edges": [edge for edge, srgb in classes if not srgb],
-        "slots": scene.used_slots,
-        "wraps": scene.has_other_wraps,
-        "emissive": scene.has_emission,
-    }
+    return {"cluster_bits": CLUSTER_TRIANGLES.bit_length() - 1, **scene.values}

@@ -12,7 +12,8 @@ VIEW = Struct(
     origin_dy="vec3f", light="u32", direction="vec3f", depth_scale="f32", direction_dx="vec3f", direction_dy="vec3f",
 )  # fmt: skip
 # All that the rasteriser needs of a view; 256 bytes apart, so that one buffer serves all views at dynamic offsets.
-RASTER_VIEW = Struct("RasterView", view_projection="mat4x4f")
+# alpha_shift: of the thresholds of blended surfaces, another for each sample of a pixel.
+RASTER_VIEW = Struct("RasterView", view_projection="mat4x4f", alpha_shift="f32")
 RASTER_VIEW_STRIDE = DEFAULT_LIMITS["min-uniform-buffer-offset-alignment"]
 # color: candela, or lux for directional lights. texel: width of a shadow texel in metres, per metre of depth where the
 # view is a perspective. cos_outer and cone_slope are a spot's; a slope of 0 is no cone.
@@ -21,7 +22,11 @@ LIGHT = Struct(
 )  # fmt: skip
 # A texel of an RSM as a light: position and normal (octahedral) in world space; flux it reflects (lm or W).
 VPL = Struct("Vpl", position="vec3f", normal="u32", flux="vec3f", padding="f32")
-COMPOSITE = Struct("CompositeSettings", background="vec3f", exposure="f32")
+# The surroundings: a constant (nits) and a map of `levels` mip levels, turned by `turn` (u). texels: as many as would
+# cover the sphere at the size of those at the horizon.
+ENVIRONMENT = Struct("EnvironmentSettings", radiance="vec3f", turn="f32", levels="f32", texels="f32")
+# exposure: from nits to the picture's unit. weight: of this sample in the mean of the pixel's samples.
+COMPOSITE = Struct("CompositeSettings", exposure="f32", weight="f32")
 
 # Views and lights are uniform arrays of fixed length: a software adapter reads those several times faster than storage.
 MAX_LIGHTS = DEFAULT_LIMITS["max-texture-array-layers"]  # each has at least one layer of the shadow maps

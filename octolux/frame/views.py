@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import tan
 
 import numpy as np
@@ -24,6 +24,7 @@ class View:
     """A view with its axes in world space.
 
     right, up: half the extent of the picture, per metre of depth for a perspective, in metres otherwise.
+    shift: pixels, right and down, by which what is seen through a pixel's centre lies away from it.
     """
 
     position: np.ndarray
@@ -35,6 +36,7 @@ class View:
     perspective: bool
     width: int
     height: int
+    shift: tuple[float, float] = (0.0, 0.0)
 
     @property
     def depth_scale(self) -> float:
@@ -51,17 +53,28 @@ class View:
             rows[3, :3] = self.forward
             rows[:, 3] = -rows[:, :3] @ self.position
             rows[2] = [0.0, 0.0, 0.0, self.near]
-            return rows
+            return self._shifted(rows)
         rows[2, :3] = -self.forward * self.depth_scale
         rows[:, 3] = -rows[:, :3] @ self.position
         rows[2, 3] += self.far * self.depth_scale
         rows[3, 3] = 1.0
+        return self._shifted(rows)
+
+    def _shifted(self, rows: np.ndarray) -> np.ndarray:
+        rows[0] -= 2.0 * self.shift[0] / self.width * rows[3]
+        rows[1] += 2.0 * self.shift[1] / self.height * rows[3]
         return rows
+
+    def widened(self) -> View:
+        """The view with a pixel more on each side: it holds what every sample of its pixels may see."""
+        right, up = self.right * (1.0 + 2.0 / self.width), self.up * (1.0 + 2.0 / self.height)
+        return replace(self, right=right, up=up)
 
     def pack(self, light: int = 0) -> np.ndarray:
         """As the WGSL struct `View`."""
         corner = self.up - self.right  # upper left, half extents
         dx, dy = 2.0 * self.right / self.width, -2.0 * self.up / self.height
+        corner = corner + self.shift[0] * dx + self.shift[1] * dy
         zero = np.zeros(3)
         spread = {"direction": self.forward + corner, "direction_dx": dx, "direction_dy": dy}
         shift = {"origin": self.position, "origin_dx": zero, "origin_dy": zero}

@@ -12,7 +12,8 @@ from ..gpu.bindings import storage, uniform_window
 from ..gpu.device import Device
 from ..gpu.passes import RasterPass
 from ..gpu_scene.clusters import CLUSTER_TRIANGLES
-from ..gpu_scene.gpu_scene import BUCKETS, MASKED, SINGLE_SIDED, GpuScene
+from ..gpu_scene.gpu_scene import GpuScene
+from ..gpu_scene.materials import BUCKETS, MASKED, SINGLE_SIDED
 from .shader_values import surface_values
 from .structs import RASTER_VIEW, RASTER_VIEW_STRIDE, VIEW
 from .views import View

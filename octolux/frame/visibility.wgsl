@@ -7,6 +7,12 @@ struct Corner {
     {% if masked %}
     @location(1) uv: vec2f,
     @location(2) @interpolate(flat) material: u32,
+    {% if vertex_colors %}
+    @location(3) alpha: f32,
+    {% endif %}
+    {% if blended %}
+    @location(4) position_ws: vec3f,
+    {% endif %}
     {% endif %}
 }
 
@@ -25,20 +31,39 @@ fn vertex(@builtin(vertex_index) vertex_index: u32, @builtin(instance_index) ind
     if instance.flipped == 1u { k = (3u - k) % 3u; } // a mirrored triangle keeps its front
     let corners = load_triangles(item.first_triangle + triangle);
     let vertex = load_vertices(vec3u(corners.a, corners.b, corners.c)[k]);
-    corner.position = view.view_projection * vec4f(to_world(instance, vertex.position), 1.0);
+    let position_ws = to_world(instance, vertex.position);
+    corner.position = view.view_projection * vec4f(position_ws, 1.0);
     corner.id = (item_index << CLUSTER_BITS | triangle) + 1u;
     {% if masked %}
     corner.uv = vertex.uv;
     corner.material = instance.material;
+    {% if vertex_colors %}
+    corner.alpha = unpack_color(vertex.color).a;
+    {% endif %}
+    {% if blended %}
+    corner.position_ws = position_ws;
+    {% endif %}
     {% endif %}
     return corner;
 }
 
 {% if masked %}
+{% if blended %}
+{{ use("shaders/hashed_alpha.wgsl") }}
+{% endif %}
 fn discard_if_masked(corner: Corner) {
     let footprint = log2_footprint(dpdx(corner.uv), dpdy(corner.uv));
     let material = load_materials(corner.material);
-    if material_base_color(material, corner.uv, footprint).a < material.alpha_cutoff { discard; }
+    var alpha = material_base_color(material, corner.uv, footprint).a;
+    {% if vertex_colors %}
+    alpha *= corner.alpha;
+    {% endif %}
+    var cut = alpha < material.alpha_cutoff;
+    {% if blended %}
+    let threshold = hashed_threshold(corner.position_ws, view.alpha_shift);
+    if material.alpha_mode == 2u { cut = alpha <= threshold; }
+    {% endif %}
+    if cut { discard; }
 }
 {% endif %}
 

@@ -85,6 +85,7 @@ class Device:
         info = chosen.info
         self.adapter_name = f"{info['device']} ({info['description']}, {info['backend_type']})"
         self.memory = MemoryLedger()
+        self.uploaded_bytes = 0  # since the start, into buffers and textures
         self._fence = self.wgpu.create_buffer(size=4, usage=wgpu.BufferUsage.COPY_SRC)
 
     def wait(self) -> None:
@@ -137,6 +138,15 @@ class Device:
         raw = np.ascontiguousarray(data).tobytes()
         if raw:  # wgpu refuses to write nothing
             self.queue.write_buffer(buffer, offset, raw + bytes(-len(raw) % 4))
+            self.uploaded_bytes += len(raw)
+
+    def write_layer(self, texture: Any, pixels: np.ndarray, *, layer: int = 0, level: int = 0) -> None:
+        """Write `pixels` (height, width, channels) into one layer and mip level of a texture."""
+        height, width = pixels.shape[:2]
+        layout = {"bytes_per_row": pixels.strides[0], "rows_per_image": height}
+        place = {"texture": texture, "mip_level": level, "origin": (0, 0, layer)}
+        self.queue.write_texture(place, pixels, layout, (width, height, 1))
+        self.uploaded_bytes += pixels.nbytes
 
     def texture(
         self, label: str, size: tuple[int, ...], format: str, *, usage: int, mip_levels: int = 1, dimension: str = "2d"

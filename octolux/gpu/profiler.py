@@ -114,6 +114,12 @@ class Profiler:
         for name, begin, end in zip(self._queries, ticks[::2].tolist(), ticks[1::2].tolist(), strict=True):
             self._frame[name] = self._frame.get(name, 0.0) + (end - begin) * 1e-6
 
+    def submit(self) -> None:
+        """Submit what was recorded so far: what is written to buffers from now on is seen by later stages alone."""
+        if self._encoder is not None:
+            self.device.queue.submit([self._encoder.finish()])
+            self._encoder = self.device.wgpu.create_command_encoder()
+
     @contextmanager
     def stage(self, name: str) -> Iterator[Stage]:
         """Around the passes of one named stage; call inside `frame()`."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -53,11 +53,20 @@ def cluster(mesh: Mesh) -> Clusters:
     return Clusters(mesh.indices[order], first, count, low, high)
 
 
-def world_boxes(low: np.ndarray, high: np.ndarray, transform: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Boxes that hold the object-space boxes (n, 3) after `transform` (4, 4)."""
+def refitted(clusters: Clusters, mesh: Mesh) -> Clusters:
+    """The same clusters around the vertices of `mesh`, which has the same triangles."""
+    corners = mesh.positions[clusters.indices].astype(np.float64)
+    low = np.minimum.reduceat(corners.min(axis=1), clusters.first)
+    high = np.maximum.reduceat(corners.max(axis=1), clusters.first)
+    return replace(clusters, low=low, high=high)
+
+
+def world_boxes(low: np.ndarray, high: np.ndarray, transforms: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Boxes that hold the object-space boxes (n, 3) after `transforms` (n, 4, 4), or (4, 4) for all."""
+    linear, moved = transforms[..., :3, :3], transforms[..., :3, 3]
     centre, extent = (low + high) / 2, (high - low) / 2
-    centre = centre @ transform[:3, :3].T + transform[:3, 3]
-    extent = extent @ np.abs(transform[:3, :3]).T
+    centre = (linear @ centre[..., None])[..., 0] + moved
+    extent = (np.abs(linear) @ extent[..., None])[..., 0]
     return centre - extent, centre + extent
 
 

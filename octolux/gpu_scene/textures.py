@@ -78,9 +78,5 @@ def _make_array(device: Device, edge: int, srgb: bool, images: list[Image]) -> A
     with ThreadPoolExecutor(max_workers=4) as pool:
         for layer, chain in enumerate(pool.map(lambda image: mip_chain(image, edge, srgb), images)):
             for level, pixels in enumerate(chain):
-                size = pixels.shape[0]
-                device.queue.write_texture(
-                    {"texture": array, "mip_level": level, "origin": (0, 0, layer)},
-                    pixels, {"bytes_per_row": size * 4, "rows_per_image": size}, (size, size, 1),
-                )  # fmt: skip
+                device.write_layer(array, pixels, layer=layer, level=level)
     return array

@@ -1,5 +1,5 @@
-// Lights and their shadow maps. Lights lie in the order directional, spot, point, and so do their views: one each, six for
-// a point light. View 0 is the camera; the shadow map of view i is layer i - 1.
+// Lights and their shadow maps. Lights lie in the order directional, sky, spot, point, and so do their views: one each, six
+// for a point light. View 0 is the camera; the shadow map of view i is layer i - 1.
 // With `shadows` it needs views, shadow_maps and shadow_sampler.
 
 // Illuminance on a plane that faces the light (lux).

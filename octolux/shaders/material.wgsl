@@ -55,7 +55,16 @@ fn sample_{{ space }}(reference: u32, uv_in: vec2f, footprint: f32) -> vec4f {
 
 {% macro textured(slot, space) %}
 {% if slot in slots %}
+{% if uv_transforms %}
+    if material.{{ slot }} != NO_TEXTURE {
+        let u = material.{{ slot }}_u;
+        let v = material.{{ slot }}_v;
+        let moved = vec2f(dot(u.xyz, vec3f(uv, 1.0)), dot(v.xyz, vec3f(uv, 1.0)));
+        texel = sample_{{ space }}(material.{{ slot }}, moved, footprint + u.w);
+    }
+{% else %}
     if material.{{ slot }} != NO_TEXTURE { texel = sample_{{ space }}(material.{{ slot }}, uv, footprint); }
+{% endif %}
 {% endif %}
 {% endmacro %}
 fn material_base_color(material: Material, uv: vec2f, footprint: f32) -> vec4f {

@@ -16,6 +16,7 @@ struct Hit {
     tangent: vec4f,
     uv: vec2f,
     footprint: f32,
+    color: vec4f,
 }
 
 fn to_world(instance: Instance, p: vec3f) -> vec3f {
@@ -39,6 +40,14 @@ fn normal_to_world(instance: Instance, n: vec3f) -> vec3f {
 fn unpack_tangent(packed: u32) -> vec4f {
     return vec4f(unpack_unit_vector(packed), select(1.0, -1.0, (packed & 1u) == 1u));
 }
+
+{% if vertex_colors %}
+// Square roots of the linear values are stored (gpu_scene/packing.py).
+fn unpack_color(packed: u32) -> vec4f {
+    let root = unpack4x8unorm(packed);
+    return root * root;
+}
+{% endif %}
 
 // `id` is what the rasteriser wrote, not 0. `origin_dx` and so on: change of the ray from pixel to pixel.
 fn hit_triangle(id: u32, ray: Ray, to_right: Ray, down: Ray) -> Hit {
@@ -81,6 +90,10 @@ fn hit_triangle(id: u32, ray: Ray, to_right: Ray, down: Ray) -> Hit {
     let handedness = select(tangent.w, -tangent.w, instance.flipped == 1u);
     tangent = vec4f(direction_to_world(instance, tangent.xyz), handedness);
     {% endif %}
+    var color = vec4f(1.0);
+    {% if vertex_colors %}
+    color = weights.x * unpack_color(a.color) + weights.y * unpack_color(b.color) + weights.z * unpack_color(c.color);
+    {% endif %}
     let outward = normalize(select(n, -n, instance.flipped == 1u));
     return Hit(
         position, depth, outward, instance.material, normal_to_world(instance, normal), tangent,
@@ -89,7 +102,13 @@ fn hit_triangle(id: u32, ray: Ray, to_right: Ray, down: Ray) -> Hit {
             uv1 * dot(move_x, g1) + uv2 * dot(move_x, g2),
             uv1 * dot(move_y, g1) + uv2 * dot(move_y, g2),
         ),
+        color,
     );
+}
+
+// Base colour and alpha of the surface: material, texture and vertex colour.
+fn base_color(hit: Hit, material: Material) -> vec4f {
+    return hit.color * material_base_color(material, hit.uv, hit.footprint);
 }
 
 // The shading normal with the normal map, in world space.

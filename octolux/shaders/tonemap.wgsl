@@ -1,4 +1,23 @@
-// Khronos PBR neutral tone map (2024) and the sRGB transfer function (IEC 61966-2-1).
+// Tone maps and the sRGB transfer function; references and sources: simulator/tonemap.py.
+
+fn clipped(color: vec3f) -> vec3f { return saturate(color); }
+
+fn agx(color: vec3f) -> vec3f {
+    let inset = max({{ agx_inset }} * color, vec3f(1e-10));
+    let x = saturate((log2(inset) - {{ agx_ev[0] }}) / {{ agx_ev[1] - agx_ev[0] }});
+    var curve = vec3f(0.0);
+    {% for c in agx_curve|reverse %}
+    curve = curve * x + {{ c }};
+    {% endfor %}
+    return pow(saturate({{ agx_outset }} * curve), vec3f({{ agx_power }}));
+}
+
+fn aces(color: vec3f) -> vec3f {
+    let x = {{ aces_input }} * color;
+    let a = x * (x + {{ aces_numerator[0] }}) + {{ aces_numerator[1] }};
+    let b = x * ({{ aces_denominator[0] }} * x + {{ aces_denominator[1] }}) + {{ aces_denominator[2] }};
+    return saturate({{ aces_output }} * (a / b));
+}
 
 fn neutral_tone_map(radiance: vec3f) -> vec3f {
     let x = min(radiance.r, min(radiance.g, radiance.b));

@@ -1,0 +1,96 @@
+"""Instances on the device, and their clusters as items: what is culled and drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..gpu.device import Device
+from ..scene.meshes import Instance
+from .clusters import visible, world_boxes
+from .geometry import Slot
+from .structs import INSTANCE, ITEM
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """What the drawn numbers mean; kept by pictures, since the scene goes on.
+
+    numbers: of the drawn instances in `Scene.instances`.  instances, slots: theirs.
+    item_instance: uint32 (items,), which of the drawn instances.  item_first: int64 (items,), first triangle, counted
+    within the mesh's clusters.
+    """
+
+    numbers: np.ndarray
+    instances: tuple[Instance, ...]
+    slots: tuple[Slot, ...]
+    item_instance: np.ndarray
+    item_first: np.ndarray
+
+    @classmethod
+    def of(cls, instances: Sequence[Instance], slots: Sequence[Slot | None]) -> Drawn:
+        pairs = [(n, i, s) for n, i in enumerate(instances) if (s := slots[i.mesh]) is not None]
+        counts = [len(slot.clusters.first) for _, _, slot in pairs]
+        return cls(
+            np.array([n for n, _, _ in pairs], dtype=np.int64), tuple(i for _, i, _ in pairs),
+            tuple(s for _, _, s in pairs), np.repeat(np.arange(len(pairs), dtype=np.uint32), counts),
+            np.concatenate([s.clusters.first for _, _, s in pairs]) if pairs else np.zeros(0, np.int64),
+        )  # fmt: skip
+
+
+class InstanceTable:
+    """Buffers `instances` and `items`; boxes of the items for culling."""
+
+    def __init__(self, device: Device):
+        self.device = device
+        self.drawn: Drawn
+        self.bounds = (np.zeros(3), np.zeros(3))
+        self._rows: np.ndarray = INSTANCE.array(0)
+        self._item_rows: np.ndarray = ITEM.array(0)
+        self.instances: Any = None
+        self.items: Any = None
+
+    def sync(self, instances: Sequence[Instance], slots: Sequence[Slot | None], bucket: np.ndarray) -> None:
+        """Upload rows that differ from what is there."""
+        self.drawn = drawn = Drawn.of(instances, slots)
+        transforms = np.array([i.transform for i in drawn.instances]).reshape(-1, 4, 4)
+        materials = np.array([s.mesh.material for s in drawn.slots], dtype=np.int64)
+        rows = INSTANCE.array(max(1, len(transforms)))
+        items = ITEM.array(max(1, len(drawn.item_instance)))
+        if len(transforms):
+            rows["row0"], rows["row1"], rows["row2"] = transforms[:, 0], transforms[:, 1], transforms[:, 2]
+            rows["material"], rows["flipped"] = materials, np.linalg.det(transforms[:, :3, :3]) < 0
+            owner = drawn.item_instance
+            items["instance"] = owner
+            first = np.array([s.first_triangle for s in drawn.slots])
+            items["first_triangle"] = drawn.item_first + first[owner]
+            items["triangle_count"] = np.concatenate([s.clusters.count for s in drawn.slots])
+            low = np.concatenate([s.clusters.low for s in drawn.slots])
+            high = np.concatenate([s.clusters.high for s in drawn.slots])
+            self._low, self._high = world_boxes(low, high, transforms[owner])
+            self._buckets = bucket[materials][owner] if len(bucket) else np.zeros(len(owner), np.int64)
+            self.bounds = (self._low.min(axis=0), self._high.max(axis=0))
+        else:
+            self._low = self._high = np.zeros((0, 3))
+            self._buckets = np.zeros(0, np.int64)
+        self.instances = self._brought(self.instances, "instances", self._rows, rows)
+        self.items = self._brought(self.items, "items", self._item_rows, items)
+        self._rows, self._item_rows = rows, items
+
+    def _brought(self, buffer: Any, label: str, before: np.ndarray, now: np.ndarray) -> Any:
+        """`buffer` brought from `before` to `now`: only the run of rows that differ is written."""
+        if buffer is None or len(before) != len(now):
+            return self.device.buffer(label, now)
+        differ = np.flatnonzero(before != now)
+        if len(differ):
+            first, end = int(differ[0]), int(differ[-1]) + 1
+            self.device.write(buffer, now[first:end], first * now.dtype.itemsize)
+        return buffer
+
+    def visible_items(self, view_projection: np.ndarray, buckets: int, cull: bool) -> list[np.ndarray]:
+        """For each draw bucket the items whose box the view may see: uint32 arrays, in a fixed order."""
+        seen = visible(self._low, self._high, view_projection) if cull else np.ones(len(self._low), bool)
+        return [np.flatnonzero(seen & (self._buckets == b)).astype(np.uint32) for b in range(buckets)]
