@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from fnmatch import fnmatchcase
+from typing import Any
 
 import numpy as np
 
@@ -14,28 +15,27 @@ from .geometry import flat, tangents
 from .lights import AreaLight, DirectionalLight, Light, PointLight, Vector
 from .materials import Material
 from .meshes import Mesh
+from .movers import Movers
+from .nodes import Node
 from .scene import Scene
 
 
 def placed(scene: Scene, matrix: np.ndarray) -> Scene:
     """The scene moved as a whole by `matrix`, float64 (4, 4), invertible.
 
-    Lights and cameras move along; light keeps its strength (candela, lux, nits) whatever the scale, as in glTF. Tracks
-    of instances are left out, with a warning, unless the matrix is the identity: they act in the world.
+    Lights and cameras move along; light keeps its strength (candela, lux, nits) whatever the scale, as in glTF. Nodes
+    get a new one above them, which has the matrix; tracks of instances, which act in the world, act in its space.
     """
     if np.array_equal(matrix, np.eye(4)):
         return scene
-    kept = [track for track in scene.tracks if track.target != "instance"]
-    warnings = list(scene.warnings)
-    if len(kept) < len(scene.tracks):
-        warnings.append(f"'{scene.name}': the animation of its objects is left out, for the model is moved")
+    if scene.nodes or any(track.target == "instance" for track in scene.tracks):
+        scene = _rooted(scene, matrix)
     return replace(
         scene,
         instances=[replace(i, transform=matrix @ i.transform) for i in scene.instances],
         lights=[_placed_light(light, matrix) for light in scene.lights],
         cameras=[_placed_camera(camera, matrix) for camera in scene.cameras],
-        tracks=[_placed_track(track, matrix) for track in kept],
-        warnings=warnings,
+        tracks=[_placed_track(track, matrix) for track in scene.tracks],
     )
 
 
@@ -81,9 +81,13 @@ def combined(scenes: Iterable[Scene], name: str = "") -> Scene:
     """All of the scenes in one. Environment and exposure are those of the first scene that has any."""
     result = Scene(name=name)
     for scene in scenes:
-        meshes, materials = len(result.meshes), len(result.materials)
+        meshes, materials, skins = len(result.meshes), len(result.materials), len(result.skins)
+        scene = _renumbered(scene, len(result.nodes))
         result.meshes += [replace(m, material=m.material + materials) for m in scene.meshes]
-        result.instances += [replace(i, mesh=i.mesh + meshes) for i in scene.instances]
+        result.instances += [replace(i, mesh=i.mesh + meshes, skin=None if i.skin is None else i.skin + skins)
+                             for i in scene.instances]  # fmt: skip
+        result.nodes += scene.nodes
+        result.skins += scene.skins
         result.materials += scene.materials
         result.lights += scene.lights
         result.cameras += scene.cameras
@@ -115,9 +119,50 @@ def _pruned(scene: Scene) -> Scene:
 
 
 def _flat_mesh(mesh: Mesh) -> Mesh:
-    positions, normals, uvs, indices = flat(mesh.positions, mesh.uvs, mesh.indices)
-    along = tangents(positions, normals, uvs, indices)
-    return replace(mesh, positions=positions, normals=normals, uvs=uvs, tangents=along, indices=indices)
+    corners, pose = mesh.indices.ravel(), _flat_arrays(mesh.positions, mesh.uvs, mesh.indices)
+    if mesh.deformable is None:
+        deformable = None
+    else:
+        base = _flat_arrays(mesh.deformable.positions, mesh.uvs, mesh.indices)
+        movers = Movers(mesh.deformable.targets, mesh.deformable.joints, mesh.deformable.weights).take(corners)
+        movers = movers.flat(base["positions"], base["normals"], base["indices"])
+        deformable = movers.deformable(base["positions"], base["normals"], base["tangents"])
+    colors = None if mesh.colors is None else mesh.colors[corners]
+    return replace(mesh, **pose, colors=colors, deformable=deformable)
+
+
+def _flat_arrays(positions: np.ndarray, uvs: np.ndarray, indices: np.ndarray) -> dict[str, Any]:
+    positions, normals, uvs, indices = flat(positions, uvs, indices)
+    return {"positions": positions, "normals": normals, "uvs": uvs, "indices": indices,
+            "tangents": tangents(positions, normals, uvs, indices)}  # fmt: skip
+
+
+def _rooted(scene: Scene, matrix: np.ndarray) -> Scene:
+    """The scene with one more node, 0, above all others; nothing else is moved yet."""
+    scene = _renumbered(scene, 1)
+    below = [replace(node, parent=0) if node.parent is None else node for node in scene.nodes]
+    tracks = [replace(track, index=0) if track.target == "instance" and track.index is None else track
+              for track in scene.tracks]  # fmt: skip
+    return replace(scene, nodes=[Node(matrix=np.array(matrix), name=scene.name), *below], tracks=tracks)
+
+
+def _renumbered(scene: Scene, more: int) -> Scene:
+    """The scene as it is when `more` nodes stand before its own."""
+    if not more:
+        return scene
+
+    def moved(number: int | None) -> int | None:
+        return None if number is None else number + more
+
+    return replace(
+        scene,
+        nodes=[replace(node, parent=moved(node.parent)) for node in scene.nodes],
+        skins=[replace(skin, joints=tuple(joint + more for joint in skin.joints)) for skin in scene.skins],
+        instances=[replace(i, node=moved(i.node)) for i in scene.instances],
+        lights=[o if isinstance(o, AreaLight) else replace(o, node=moved(o.node)) for o in scene.lights],
+        cameras=[replace(camera, node=moved(camera.node)) for camera in scene.cameras],
+        tracks=[replace(track, index=moved(track.index)) for track in scene.tracks],
+    )
 
 
 def _point(matrix: np.ndarray, point) -> Vector:
@@ -155,5 +200,10 @@ def _placed_camera(camera: Camera, matrix: np.ndarray) -> Camera:
 
 
 def _placed_track(track: Track, matrix: np.ndarray) -> Track:
-    move = {"position": _point, "look_at": _point, "direction": _direction}.get(track.property)
-    return track if move is None else replace(track, values=np.array([move(matrix, v) for v in track.values]))
+    if track.target not in ("light", "camera") or track.property not in ("position", "look_at", "direction"):
+        return track
+    moved = np.array([_direction(matrix, value) for value in track.values.reshape(-1, 3)]).reshape(track.values.shape)
+    values = moved[:, 1] if track.interpolation == "cubic" else moved  # the rest are slopes, which do not shift
+    if track.property != "direction":
+        values += matrix[:3, 3]
+    return replace(track, values=moved)

@@ -20,10 +20,16 @@ _NO_ROTATION = np.array([0.0, 0.0, 0.0, 1.0])
 
 
 def moved_light(light: Light, values: dict[str, np.ndarray]) -> Light:
-    """The light with the given position, direction, intensity, illuminance or radiance, (3,) each."""
+    """The light with the given position, direction, intensity, illuminance or radiance, (3,) each.
+
+    Light that a spline through its keys makes negative is none.
+    """
     if not values:
         return light
-    changes: dict[str, Any] = {key: tuple(value.tolist()) for key, value in values.items()}
+    changes: dict[str, Any] = {
+        key: tuple((value if key in ("position", "direction") else np.maximum(value, 0.0)).tolist())
+        for key, value in values.items()
+    }
     return replace(light, **changes)
 
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import get_args
+from typing import cast
 
 import numpy as np
 
-from .animation import Target, Track
+from .animation import Interpolation, Target, Track
 from .scene import Scene
 from .toml_fields import Table, nearest
 
+KINDS: dict[str, Target] = {"light": "light", "camera": "camera", "instance": "instance"}
+INTERPOLATIONS = ("linear", "step", "smooth")
 INSTANCE_PROPERTIES = {"translation": 3, "rotation": 4, "scale": 3}
 CAMERA_PROPERTIES = {"position": 3, "look_at": 3}
 LIGHT_PROPERTIES = {"position": 3, "direction": 3, "intensity": 3, "illuminance": 3, "radiance": 3}
@@ -21,7 +23,7 @@ COLORS = ("intensity", "illuminance", "radiance")
 
 def load_track(table: Table, scene: Scene) -> Track:
     """The track that one [[keyframes]] table describes, for an object of `scene`. Raises SceneError."""
-    table.allow(("target", "property", "times", "values"))
+    table.allow(("target", "property", "times", "values", "interpolation", "loop"))
     target, name = _target(table, scene)
     widths = _properties(scene, target, name)
     key = table.choice("property", tuple(widths))
@@ -29,19 +31,35 @@ def load_track(table: Table, scene: Scene) -> Track:
     values = _values(table, key, widths[key])
     if len(values) != len(times):
         raise table.error("values", f"has {len(values)} entries for {len(times)} times", "give one value for each time")
-    return Track(target=target, name=name, property=key, times=times, values=values)
+    interpolation = cast(Interpolation, table.choice("interpolation", INTERPOLATIONS, "linear"))
+    period = float(times[-1]) if table.boolean("loop", False) else None
+    if period is not None and period <= 0:
+        raise table.error("loop", f"the last time is {period:g}", "give a last time above 0; then it begins again")
+    return Track(target=target, name=name, property=key, times=times, values=values, interpolation=interpolation,
+                 period=period)  # fmt: skip
+
+
+def with_clip_first(table: Table, scene: Scene) -> list[Track]:
+    """The tracks of `scene`, those of the clip that the table [animation] names before the others, so that it plays.
+
+    Raises SceneError.
+    """
+    table.allow(("clip",))
+    if "clip" not in table:
+        return scene.tracks
+    clip = table.choice("clip", scene.clips)
+    return sorted(scene.tracks, key=lambda track: track.clip != clip)
 
 
 def _target(table: Table, scene: Scene) -> tuple[Target, str]:
     kind, colon, name = table.text("target").partition(":")
-    kinds: dict[str, Target] = {kind: kind for kind in get_args(Target)}
-    if not colon or kind not in kinds:
+    if not colon or kind not in KINDS:
         raise table.error("target", f"is '{table.values['target']}'",
                           "write light:NAME, camera:NAME or instance:NAME")
     names = [o.name for o in _objects(scene, kind)]
     if name not in names:
         raise table.error("target", f"there is no {kind} '{name}'", nearest(name, filter(None, names)))
-    return kinds[kind], name
+    return KINDS[kind], name
 
 
 def _objects(scene: Scene, kind: str):
