@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
+import json
 import math
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-from rich.console import Console
-from rich.progress import track
-from rich.table import Table
 
-from . import __version__
-from .output import WRITERS, check_writable, write_json, write_picture
+from . import __version__, cli_options, console
+from .output import check_writable, write_json
+from .output.options import FileOptions, layer_names
 from .scene.errors import OctoluxError
+from .targets import Target, frame_range
+
+if TYPE_CHECKING:
+    from .sequence import Plan, Timeline
 
 app = typer.Typer(
     help="Real-time global illumination: render a scene, and see what each stage costs.",
     no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None,
 )  # fmt: skip
-_out = Console()
-_notes = Console(stderr=True, highlight=False, soft_wrap=True)
+_INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 
 
 def main() -> None:
@@ -29,13 +31,17 @@ def main() -> None:
     try:
         app()
     except OctoluxError as error:
-        _notes.print(f"error: {error}", markup=False)
+        console.warn(str(error), "error")
         sys.exit(2)
+    except SystemExit as stop:
+        if stop.code == _INTERRUPTED:
+            console.notes.print("stopped; --resume renders what is missing")
+        raise
 
 
 def _version(wanted: bool) -> None:
     if wanted:
-        _out.print(f"octolux {__version__}")
+        console.out.print(f"octolux {__version__}")
         raise typer.Exit
 
 
@@ -63,145 +69,122 @@ def _overrides(pairs: list[str]) -> dict[str, str]:
     return {key.strip(): value.strip() for key, _, value in (pair.partition("=") for pair in pairs)}
 
 
-@app.command()
+@app.command(cls=console.GroupedCommand)
 def render(
-    scene: Annotated[str, typer.Argument(help="A model (.obj .gltf .glb), a TOML scene, or a built-in scene's name.")],
-    technique: Annotated[
-        str, typer.Option(help="How indirect light is computed; `octolux techniques` lists them.")
-    ] = "uniform-lpv",
-    preset: Annotated[str, typer.Option(help="The technique's preset.")] = "default",
-    set_: Annotated[
-        list[str], typer.Option("--set", help="A setting of the technique, key=value; repeat for more.")
-    ] = [],  # noqa: B006
-    size: Annotated[str, typer.Option(help="Picture size in pixels, WIDTHxHEIGHT.")] = "1280x720",
-    camera: Annotated[
-        str | None, typer.Option(help="The scene's camera, by name or index; the first by default.")
-    ] = None,
-    exposure: Annotated[float | None, typer.Option(help="EV100; the scene's, or metered, by default.")] = None,
-    frames: Annotated[
-        int, typer.Option(min=1, help="Render so many frames, all light made anew in each; the last is written.")
-    ] = 1,
-    fps: Annotated[float, typer.Option(min=0.001, help="Frames a second, for scenes with keyframes.")] = 24.0,
-    shadow_resolution: Annotated[
-        int, typer.Option(min=16, max=8192, help="Texels along a shadow map's edge.")
-    ] = 1024,
-    rsm_resolution: Annotated[
-        int, typer.Option(min=8, max=4096, help="VPLs along the edge of a light's view.")
-    ] = 256,
-    adapter: Annotated[
-        str | None, typer.Option(help="Part of a graphics adapter's name; `octolux devices` lists them.")
-    ] = None,
-    out: Annotated[
-        list[Path],
-        typer.Option(help="Where to write: .png for display, .exr for all layers; repeatable; octolux.png by default."),
-    ] = [],  # noqa: B006
-    stats: Annotated[Path | None, typer.Option(help="Write times, memory and energy as JSON.")] = None,
-) -> None:  # fmt: skip
+    scene: cli_options.Scene,
+    technique: cli_options.Technique = "uniform-lpv",
+    preset: cli_options.Preset = "default",
+    set_: cli_options.Set = [],  # noqa: B006
+    default_light: cli_options.DefaultLight = True,
+    shadow_resolution: cli_options.ShadowResolution = 1024,
+    rsm_resolution: cli_options.RsmResolution = 256,
+    adapter: cli_options.Adapter = None,
+    size: cli_options.Size = "1280x720",
+    camera: cli_options.CameraName = None,
+    exposure: cli_options.Exposure = None,
+    tone_map: cli_options.ToneMap = "neutral",
+    anti_aliasing: cli_options.AntiAliasing = "auto",
+    frames: cli_options.Frames = None,
+    fps: cli_options.Fps = 24.0,
+    clip: cli_options.Clip = None,
+    resume: cli_options.Resume = False,
+    out: cli_options.Out = [],  # noqa: B006
+    bits: cli_options.Bits = 8,
+    alpha: cli_options.Alpha = False,
+    layers: cli_options.Layers = None,
+    stats: cli_options.Stats = None,
+) -> None:
     """Render SCENE and print what each stage cost."""
-    targets = out or [Path("octolux.png")]
-    _check_outputs(targets, stats)
-    dimensions, overrides = _size(size), _overrides(set_)
-    if not math.isfinite(fps):
-        raise OctoluxError(f"--fps is a number of frames a second, not {fps}.")
+    plan = _plan(out, frames, fps, size, FileOptions(bits, alpha, layer_names(layers)), resume)
+    if stats:
+        check_writable(stats, [".json"])
     from .frame.frame import FrameSettings
     from .gpu.device import Device
     from .renderer import Renderer
     from .scene.load import load_scene
+    from .sequence import Timeline
     from .techniques import technique_class
 
-    settings = technique_class(technique).settings_class.from_strings(preset, overrides)
+    settings = technique_class(technique).settings_class.from_strings(preset, _overrides(set_))
     loaded = load_scene(scene)
+    plan.remove_leftovers()
+    if not plan.missing and not plan.videos:
+        console.out.print("nothing to do: all files are complete")
+        return
     renderer = Renderer(
-        loaded, technique, settings=settings, size=dimensions, exposure=exposure, profile=True, device=Device(adapter),
+        loaded, technique, settings=settings, size=plan.size, exposure=exposure, profile=True, device=Device(adapter),
         frame_settings=FrameSettings(shadow_resolution=shadow_resolution, rsm_resolution=rsm_resolution),
+        anti_aliasing=_anti_aliasing(anti_aliasing), sequence=len(plan.frames) > 1, tone_map=tone_map,
+        default_light=default_light,
     )  # fmt: skip
     for note in [*loaded.warnings, *renderer.warnings]:
-        _notes.print(f"warning: {note}", markup=False)
-    picture = _frames(renderer, loaded, camera, frames, fps)
-    _write(picture, {**renderer.statistics(), "energy": picture.energy}, targets, stats)
+        console.warn(note)
+    _make(plan, Timeline(renderer, loaded, fps, first=plan.frames[0], camera=camera, clip=clip), stats)
 
 
-def _check_outputs(targets: list[Path], stats: Path | None) -> None:
-    """Raise OctoluxError before any work is done when something could not be written after it."""
-    for path in targets:
-        check_writable(path, list(WRITERS))
-    if stats:
-        check_writable(stats, [".json"])
+def _anti_aliasing(text: str) -> str | int:
+    return int(text) if text.isdecimal() and len(text) < 10 else text
 
 
-def _write(picture: Any, statistics: dict[str, Any], targets: list[Path], stats: Path | None) -> None:
-    for path in targets:
-        write_picture(picture, path)
-        _out.print(f"wrote {path}", highlight=False)
+def _plan(out: list[Path], frames: str | None, fps: float, size: str, options: FileOptions, resume: bool) -> Plan:
+    from .sequence import Plan
+
+    if not math.isfinite(fps):
+        raise OctoluxError(f"--fps is a number of frames a second, not {fps}.")
+    targets = tuple(map(Target, out or [Path("octolux.png")]))
+    return Plan(targets, frame_range(frames or "1"), fps, _size(size), options, resume)
+
+
+def _make(plan: Plan, timeline: Timeline, stats: Path | None) -> None:
+    """Render what is missing, write it, and say what was done."""
+    from .sequence import render_frames
+
+    made = render_frames(plan, timeline, console.track)
+    for line in made.summary(plan):
+        console.out.print(line, markup=False, soft_wrap=True)
+    if made.interrupted:
+        raise typer.Exit(_INTERRUPTED)
+    if made.last is None:
+        return
+    statistics = {**timeline.renderer.statistics(), "energy": made.last.energy}
     if stats:
         write_json(statistics, stats)
-    _print_table(statistics)
-
-
-def _frames(renderer: Any, scene: Any, camera: str | None, frames: int, fps: float) -> Any:
-    picture = None
-    numbers = range(frames)
-    quiet = frames == 1 or not _notes.is_terminal
-    for number in track(numbers, "rendering", console=_notes, transient=True, disable=quiet):
-        renderer.scene = scene.at(number / fps) if scene.tracks else scene
-        picture = renderer.render(camera)
-    return picture
-
-
-def _print_table(statistics: dict[str, Any]) -> None:
-    from .gpu.memory import readable
-
-    width, height = statistics["size"]
-    frame = statistics["frame_ms"]
-    title = f"{statistics['technique']}, {width}x{height}, {statistics['adapter']}"
-    _out.print(title, highlight=False, markup=False, soft_wrap=True)
-    table = Table()
-    table.add_column("stage")
-    for column in ("count", "mean ms", "median ms", "total ms"):
-        table.add_column(column, justify="right")
-    for row in statistics["stages"]:
-        times = (f"{row[key]:.1f}" for key in ("mean_ms", "median_ms", "total_ms"))
-        table.add_row(row["name"], str(row["count"]), *times)
-    table.add_section()
-    total = frame["mean"] * statistics["frames"]
-    table.add_row("frame", str(statistics["frames"]), f"{frame['mean']:.1f}", f"{frame['median']:.1f}", f"{total:.1f}")
-    _out.print(table, highlight=False)
-    _out.print(f"memory on the device: {readable(statistics['memory_bytes']['total'])}", highlight=False)
-    if statistics["frames"] == 1:
-        _out.print("the first frame also builds the shaders; --frames 10 shows what a frame costs", highlight=False)
-    if statistics["timing_note"]:
-        _notes.print(f"note: {statistics['timing_note']}", markup=False)
+    console.print_statistics(statistics)
 
 
 @app.command()
-def techniques() -> None:
+def techniques(
+    as_json: Annotated[bool, typer.Option("--json", help="Print them as JSON.")] = False,
+) -> None:
     """List the techniques with their presets and settings."""
-    import dataclasses
+    from . import listing
 
-    from .techniques import TECHNIQUES
-    from .techniques.settings import allowed_text
-
-    for name, technique in TECHNIQUES.items():
-        presets = ", ".join(["default", *technique.settings_class.PRESETS])
-        _out.print(f"[bold]{name}[/]: {technique.summary}", highlight=False)
-        _out.print(f"  presets: {presets}", highlight=False)
-        for field in dataclasses.fields(technique.settings_class):
-            about = field.metadata
-            allowed = allowed_text(about["allowed"], about["unit"])
-            line = f"  {field.name} = {field.default}: {about['meaning']} ({allowed})"
-            _out.print(line, highlight=False, markup=False)
-            _out.print(f"      cost: {about['cost']}; source: {about['source']}", highlight=False, markup=False)
+    if as_json:
+        typer.echo(json.dumps(listing.techniques(), indent=1))
+        return
+    for line in listing.technique_lines():
+        console.out.print(line, markup=False, soft_wrap=True, style="bold" if line[0] != " " else "")
 
 
 @app.command()
 def scenes() -> None:
     """List the built-in scenes."""
-    from .scene.builtin import BUILTIN
+    from . import listing
 
-    for name, make in BUILTIN.items():
-        scene = make()
-        cameras = ", ".join(c.name for c in scene.cameras)
-        _out.print(f"{name}: {scene.triangle_count} triangles, cameras {cameras}", highlight=False)
+    for line in listing.scene_lines():
+        console.out.print(line, markup=False, soft_wrap=True)
+
+
+@app.command()
+def info(
+    scene: Annotated[str, typer.Argument(help="A model, a TOML scene, or a built-in scene's name.")],
+    as_json: Annotated[bool, typer.Option("--json", help="Print it as JSON.")] = False,
+) -> None:
+    """Say what SCENE holds, and what is missing or guessed."""
+    from .info import info_lines, scene_facts
+
+    facts = scene_facts(scene)
+    typer.echo(json.dumps(facts, indent=1) if as_json else "\n".join(info_lines(facts)))
 
 
 @app.command()
@@ -213,4 +196,4 @@ def devices() -> None:
     if not found:
         Device()  # raises the error that says what to install
     for adapter in found:
-        _out.print(adapter.summary, highlight=False)
+        console.out.print(adapter.summary, markup=False, soft_wrap=True)

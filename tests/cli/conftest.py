@@ -44,7 +44,7 @@ def run(monkeypatch, capsys) -> Callable[..., Run]:
 
 
 # The smallest render: few pixels, cells, shadow texels and VPLs.
-SMALL = ("--size", "16x12", "--shadow-resolution", "64", "--rsm-resolution", "16")
+SMALL = ("--size", "16x12", "--shadow-resolution", "64", "--rsm-resolution", "16", "--anti-aliasing", "off")
 
 
 @pytest.fixture

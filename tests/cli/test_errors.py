@@ -13,6 +13,7 @@ from octolux import output
 from octolux.cli import app
 from octolux.data import data_folder
 from octolux.gpu import device as device_module
+from octolux.output.options import FileOptions
 
 COMMANDS = [command.callback.__name__ for command in app.registered_commands if command.callback]
 
@@ -50,7 +51,7 @@ def check_refused(result, *words: str) -> None:
         (["cornell-box", "--camera", "1"], ["'1'", "'front'"]),
         (["cornell-box", "--rsm-resolution", "100"], ["100", "1024"]),
         (["cornell-box", "--out", "missing/a.png"], ["missing/a.png", "mkdir"]),
-        (["cornell-box", "--out", "a.gif"], ["a.gif", ".png or .exr"]),
+        (["cornell-box", "--out", "a.bmp"], ["a.bmp", ".png or .exr or .npz or .mp4 or .webm or .gif"]),
         (["cornell-box", "--out", "a"], [".png or .exr"]),
         (["cornell-box", "--out", "a.png", "--stats", "a.txt"], ["a.txt", ".json"]),
         (["cornell-box", "--adapter", "abacus"], ["'abacus'"]),
@@ -64,7 +65,7 @@ def test_wrong_words(run, folder, words, says):
 
 @pytest.mark.parametrize(
     "words",
-    [[], ["cornell-box", "--frames", "0"], ["cornell-box", "--frames", "x"], ["cornell-box", "--sise", "4x4"]],
+    [[], ["cornell-box", "--fps", "0"], ["cornell-box", "--fps", "x"], ["cornell-box", "--sise", "4x4"]],
     ids=" ".join,
 )
 def test_wrong_usage(run, folder, words):
@@ -92,11 +93,11 @@ def test_a_file_that_was_there_survives_a_failed_render(run, folder):
 
 
 def test_a_file_that_was_there_survives_a_full_disk(render, folder, monkeypatch):
-    def fill_the_disk(picture, path: Path) -> None:
+    def fill_the_disk(picture, path: Path, options: FileOptions) -> None:
         path.write_text("half a pict")
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setitem(output.WRITERS, ".png", fill_the_disk)
+    monkeypatch.setitem(output.FORMATS, ".png", output.FORMATS[".png"]._replace(write=fill_the_disk))
     (folder / "old.png").write_text("precious")
     result = render("cornell-box", "--technique", "none", "--out", "old.png")
     check_refused(result, "old.png", "No space left")
@@ -104,12 +105,12 @@ def test_a_file_that_was_there_survives_a_full_disk(render, folder, monkeypatch)
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
-@pytest.mark.parametrize("suffix", sorted(output.WRITERS))
+@pytest.mark.parametrize("suffix", sorted(output.FORMATS))
 def test_writers_report_a_full_disk_as_an_os_error(device, suffix):
     scene = octolux.load("furnace")
     picture = octolux.Renderer(scene, "none", size=(64, 64), device=device).render()
     with pytest.raises(OSError, match="No space left"):
-        output.WRITERS[suffix](picture, Path("/dev/full"))
+        output.FORMATS[suffix].write(picture, Path("/dev/full"), FileOptions())
 
 
 def test_output_that_is_a_folder(run, folder):
@@ -164,7 +165,8 @@ def test_techniques_are_listed_with_presets_and_settings(run):
 def test_scenes_are_listed(run):
     listed = run("scenes")
     assert listed.code == 0
-    assert "cornell-box: 34 triangles, cameras front" in listed.out
+    assert "cornell-box: The box" in listed.out
+    assert "34 triangles, cameras front" in listed.out
     assert all(name in listed.out for name in ("furnace", "atrium"))
 
 

@@ -20,7 +20,7 @@ SIZE = (16, 12)
 FRAME = FrameSettings(*SIZE, shadow_resolution=64, rsm_resolution=16)
 LAYERS = {  # docs/conventions.md: EXR layers
     "direct": "RGB", "indirect": "RGB", "irradiance": "RGB", "specular": "RGB", "emissive": "RGB", "albedo": "RGB",
-    "normal": "XYZ", "position": "XYZ", "depth": "", "object_id": "",
+    "normal": "XYZ", "position": "XYZ", "motion": "XY", "depth": "", "object_id": "",
 }  # fmt: skip
 
 
@@ -66,7 +66,7 @@ def check_png(path: Path, picture: octolux.Picture) -> None:
 
 def check_exr(path: Path, picture: octolux.Picture) -> None:
     channels = exr_channels(path)
-    expected = {c: picture.radiance[..., i] for i, c in enumerate("RGB")}
+    expected = {c: picture.radiance[..., i] for i, c in enumerate("RGB")} | {"A": picture.alpha}
     for layer, suffixes in LAYERS.items():
         data = picture.layers[layer]
         expected |= {f"{layer}.{s}": data[..., i] for i, s in enumerate(suffixes)} if suffixes else {layer: data}
@@ -80,7 +80,7 @@ def check_exr(path: Path, picture: octolux.Picture) -> None:
 
 def check_statistics(statistics: dict, picture: octolux.Picture) -> None:
     assert list(statistics) == [
-        "adapter", "technique", "settings", "size", "frames", "frame_ms", "stages", "timing", "timing_note",
+        "adapter", "technique", "settings", "size", "samples", "frames", "frame_ms", "stages", "timing", "timing_note",
         "memory_bytes", "energy",
     ]  # fmt: skip
     assert statistics["technique"] == "uniform-lpv"

@@ -1,0 +1,62 @@
+"""The options of `octolux render`: what each is called, allows and means."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .output.options import LAYERS
+from .simulator.tonemap import TONE_MAPS
+
+_LIGHT, _VIEW, _TIME, _FILES = "Light", "View and display", "Sequences", "Files"
+
+
+def _option(group: str, metavar: str | None, help: str, *flags: str, **limits: Any) -> Any:
+    return typer.Option(*flags, metavar=metavar, rich_help_panel=group, help=help, **limits)
+
+
+Scene = Annotated[
+    str, typer.Argument(metavar="SCENE", help="A model's file, a TOML scene, or what `octolux scenes` lists.")
+]
+
+Technique = Annotated[str, _option(_LIGHT, "NAME", "How indirect light is computed; `octolux techniques` lists them.")]
+Preset = Annotated[str, _option(_LIGHT, "NAME", "The technique's preset.")]
+Set = Annotated[list[str], _option(_LIGHT, "KEY=VALUE", "A setting of the technique; repeat for more.", "--set")]
+DefaultLight = Annotated[bool, _option(_LIGHT, None, "Sun and sky for scenes in which nothing shines.")]
+ShadowResolution = Annotated[int, _option(_LIGHT, "N", "Texels along a shadow map's edge.", min=16, max=8192)]
+RsmResolution = Annotated[int, _option(_LIGHT, "N", "VPLs along the edge of a light's view.", min=8, max=4096)]
+Adapter = Annotated[
+    str | None, _option(_LIGHT, "NAME", "Part of a graphics adapter's name; `octolux devices` lists them.")
+]
+
+Size = Annotated[str, _option(_VIEW, "WxH", "Picture size in pixels.")]
+CameraName = Annotated[str | None, _option(_VIEW, "NAME|INDEX", "The scene's camera; the first by default.")]
+Exposure = Annotated[float | None, _option(_VIEW, "EV100", "By default the scene's, or metered at the first frame.")]
+ToneMap = Annotated[str, _option(_VIEW, "NAME", f"One of {', '.join(TONE_MAPS)}.")]
+AntiAliasing = Annotated[
+    str, _option(_VIEW, "HOW", "off, fxaa, samples a pixel (1 to 256), or auto: samples for one frame, fxaa for more.")
+]
+
+Frames = Annotated[
+    str | None, _option(_TIME, "A..B|N", "Frames A to B, or N frames from 0 on; all light is made anew in each.")
+]
+Fps = Annotated[float, _option(_TIME, "N", "Frames a second; frame k shows the scene at k / fps.", min=0.001)]
+Clip = Annotated[str | None, _option(_TIME, "NAME", "Which of the scene's animations; the first by default.")]
+Resume = Annotated[bool, _option(_TIME, None, "Leave files that are complete as they are.", "--resume")]
+
+Out = Annotated[
+    list[Path],
+    _option(
+        _FILES, "FILE",
+        ".png for display; .exr or .npz for all layers; .mp4, .webm, .gif. #### or {frame:04d} in the name is the "
+        "frame's number; without it a picture is the last frame's. Repeatable; octolux.png by default.",
+    ),
+]  # fmt: skip
+Bits = Annotated[int, _option(_FILES, "8|16", "Bits of a PNG's channels.")]
+Alpha = Annotated[bool, _option(_FILES, None, "PNG with a transparent background.", "--alpha")]
+Layers = Annotated[
+    str | None, _option(_FILES, "A,B,...", f"Layers of .exr and .npz, of {', '.join(LAYERS)}; all by default.")
+]
+Stats = Annotated[Path | None, _option(_FILES, "FILE", "Write times, memory and energy as JSON.")]

@@ -1,0 +1,46 @@
+"""OpenEXR: all layers as they are, float32, linear, in physical units."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import OpenEXR
+
+from ..picture import Picture
+from .options import LAYERS, FileOptions, channel_names
+
+
+def write(picture: Picture, path: Path, options: FileOptions) -> None:
+    """Write the layers of options.layers, with options.metadata in the header. Raises OSError."""
+    channels = {name: np.ascontiguousarray(data) for name, data in _channels(picture, options).items()}
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, **options.metadata}
+    header["exposure_ev100"] = float(picture.exposure or 0.0)
+    if options.wants("object_id"):
+        names = {str(number): name for number, name in picture.object_names.items()}
+        header["object_names"] = json.dumps(names, ensure_ascii=False)
+    try:
+        OpenEXR.File(header, channels).write(str(path))
+    except RuntimeError as error:  # OpenEXR's name for a full disk and the like
+        raise OSError(str(error)) from error
+
+
+def _channels(picture: Picture, options: FileOptions) -> dict[str, np.ndarray]:
+    channels: dict[str, np.ndarray] = {}
+    for layer, data in picture.layers.items():
+        if options.wants(layer):
+            parts = [data] if data.ndim == 2 else np.moveaxis(data, -1, 0)
+            channels.update(zip(channel_names(layer), parts, strict=True))
+    return channels
+
+
+def complete(path: Path, size: tuple[int, int], options: FileOptions) -> bool:
+    """Whether `path` is a whole EXR of `size` (width, height) that holds every layer of the options."""
+    try:
+        channels: dict[str, Any] = OpenEXR.File(str(path), separate_channels=True).channels()
+    except (RuntimeError, OSError, ValueError):  # OpenEXR reads all pixels, so that a cut file is among them
+        return False
+    wanted = {name for layer in LAYERS if options.wants(layer) for name in channel_names(layer)}
+    return wanted <= channels.keys() and all(channels[name].pixels.shape == size[::-1] for name in wanted)
