@@ -22,9 +22,12 @@ SUPPORTED = {
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_specular",
+    "KHR_materials_unlit",
     "KHR_mesh_quantization",
-    "KHR_texture_transform",
     "KHR_meshopt_compression",
+    "KHR_texture_basisu",
+    "KHR_texture_transform",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
 }

@@ -1,17 +1,16 @@
-"""What three extensions say about materials: emissive strength, texture transform, specular-glossiness."""
+"""What extensions say about materials: emissive strength, texture transform, specular, specular-glossiness."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from math import cos, sin, sqrt
-from typing import cast
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from math import cos, sin
 
 import numpy as np
 
 from .gltf_json import Fields
-from .materials import Color
-
-_DIELECTRIC = 0.04
+from .materials import IDENTITY_UV, Color, UvTransform
+from .specular_glossiness import base_and_metallic
 
 
 @dataclass(frozen=True)
@@ -31,16 +30,38 @@ class UvUse:
         """Whether u and v run the same ways before and after, so that tangents stay what they are."""
         return self.rotation == 0.0 and min(self.scale) > 0.0
 
-    def apply(self, uvs: np.ndarray) -> np.ndarray:
-        """float32 (vertices, 2): scaled, then rotated, then moved (KHR_texture_transform).
+    def matrix(self) -> np.ndarray:
+        """float64 (3, 3), acting on columns (u, v, 1): scales, then turns, then moves (KHR_texture_transform).
 
         Counter-clockwise as one sees it, v pointing down, which is how three.js and Blender read the extension.
         """
+        c, s = cos(self.rotation), sin(self.rotation)
+        linear = np.array([[c, s], [-s, c]]) * self.scale
+        return np.vstack([np.column_stack([linear, self.offset]), (0.0, 0.0, 1.0)])
+
+    def apply(self, uvs: np.ndarray) -> np.ndarray:
+        """float32 (vertices, 2): the coordinates at which a texture is read."""
         if self == UvUse(self.texcoord):
             return uvs
-        c, s = cos(self.rotation), sin(self.rotation)
-        turn = np.array([[c, s], [-s, c]])
-        return ((uvs * self.scale) @ turn.T + self.offset).astype(np.float32)
+        matrix = self.matrix()
+        return (uvs @ matrix[:2, :2].T + matrix[:2, 2]).astype(np.float32)
+
+    def after(self, baked: UvUse) -> UvTransform:
+        """What is left to do where `baked`, which can be undone, has been applied."""
+        if (self.offset, self.rotation, self.scale) == (baked.offset, baked.rotation, baked.scale):
+            return IDENTITY_UV
+        a, b, c, d, e, f = (self.matrix() @ np.linalg.inv(baked.matrix()))[:2].ravel().tolist()
+        return a, b, c, d, e, f
+
+
+def baked_use(uses: Mapping[str, UvUse]) -> UvUse:
+    """The transform that the uvs of a material's meshes get, by what its texture slots use: that of the normal map,
+    which tangents follow, or else of the first; none where it cannot be undone for the other slots."""
+    normal_map = "normalTexture" in uses
+    chosen = uses["normalTexture"] if normal_map else next(iter(uses.values()), UvUse())
+    if not np.isfinite(np.linalg.cond(chosen.matrix())) or 0.0 in chosen.scale:
+        chosen = UvUse(chosen.texcoord)
+    return replace(chosen, normal_map=normal_map)
 
 
 def uv_use(slot: Fields) -> UvUse:
@@ -65,31 +86,31 @@ def emissive(fields: Fields) -> Color:
     return red * strength, green * strength, blue * strength
 
 
-def from_specular_glossiness(extension: Fields) -> tuple[Color, float, float]:
-    """Base colour, metallic and roughness of KHR_materials_pbrSpecularGlossiness. Raises SceneError.
+def specular(fields: Fields, warnings: list[str]) -> float:
+    """Weight of the dielectric lobe: the specularFactor of KHR_materials_specular, which scales F0 and F90 alike.
 
-    As in the appendix "Converting between workflows" of the extension's specification: metallic solves
-    specular = lerp(0.04, base, metallic) and diffuse * (1 - max specular) = base * (1 - 0.04) * (1 - metallic)
-    for brightness, and base is then taken from diffuse and specular in proportion.
+    Its colour and textures are left out with a warning. So is KHR_materials_ior altogether: that changes F0 alone, and
+    no weight of the whole lobe does the same at all angles. Raises SceneError.
     """
-    diffuse = np.array(extension.numbers("diffuseFactor", 4, (1.0, 1.0, 1.0, 1.0), low=0.0)[:3])
-    specular = np.minimum(extension.numbers("specularFactor", 3, (1.0, 1.0, 1.0), low=0.0), 1.0)
-    reflected = diffuse * (1.0 - specular.max())
-    metallic = _metallic(_brightness(reflected), _brightness(specular))
-    from_diffuse = reflected / ((1.0 - _DIELECTRIC) * max(1.0 - metallic, 1e-6))
-    from_specular = (specular - _DIELECTRIC * (1.0 - metallic)) / max(metallic, 1e-6)
-    base = from_diffuse + (from_specular - from_diffuse) * metallic**2
-    color = cast(Color, tuple(float(value) for value in np.clip(base, 0.0, 1.0)))
-    return color, metallic, 1.0 - extension.number("glossinessFactor", 1.0, low=0.0, high=1.0)
+    extension = fields.extension("KHR_materials_specular")
+    if extension is None:
+        return 1.0
+    for key in ("specularColorFactor", "specularTexture", "specularColorTexture"):
+        if key in extension:
+            warnings.append(f"{fields.place}: {key} of KHR_materials_specular is left out")
+    return extension.number("specularFactor", 1.0, low=0.0, high=1.0)
 
 
-def _metallic(reflected: float, specular: float) -> float:
-    if specular <= _DIELECTRIC:
-        return 0.0
-    half = (reflected / (1.0 - _DIELECTRIC) + specular - 2.0 * _DIELECTRIC) / (2.0 * _DIELECTRIC)
-    root = sqrt(max(half * half - (_DIELECTRIC - specular) / _DIELECTRIC, 0.0))
-    return min(max(root - half, 0.0), 1.0)
+def specular_glossiness_factors(extension: Fields) -> tuple[float, ...]:
+    """Diffuse red, green, blue, specular red, green, blue, and glossiness, all in [0, 1]. Raises SceneError."""
+    diffuse = extension.numbers("diffuseFactor", 4, (1.0, 1.0, 1.0, 1.0), low=0.0)[:3]
+    colors = diffuse + extension.numbers("specularFactor", 3, (1.0, 1.0, 1.0), low=0.0)
+    return *(min(value, 1.0) for value in colors), extension.number("glossinessFactor", 1.0, low=0.0, high=1.0)
 
 
-def _brightness(color: np.ndarray) -> float:
-    return float(np.sqrt(np.dot((0.299, 0.587, 0.114), color * color)))
+def from_specular_glossiness(extension: Fields) -> tuple[Color, float, float]:
+    """Base colour, metallic, roughness of KHR_materials_pbrSpecularGlossiness without textures. Raises SceneError."""
+    factors = specular_glossiness_factors(extension)
+    base, metallic = base_and_metallic(np.array(factors[:3]), np.array(factors[3:6]))
+    red, green, blue = (float(value) for value in base)
+    return (red, green, blue), float(metallic), 1.0 - factors[6]

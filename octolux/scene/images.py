@@ -6,7 +6,7 @@ import io
 import os
 import struct
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -125,13 +125,15 @@ def checker(name: str) -> Image:
     return Image(np.where(odd[..., None], (0, 0, 0, 255), (255, 0, 255, 255)).astype(np.uint8), name)
 
 
-def load_images(sources: Mapping[Key, ImageSource], warnings: list[str]) -> dict[Key, Image]:
+def load_images(
+    sources: Mapping[Key, ImageSource], warnings: list[str], load: Callable[[ImageSource], Image] = _load
+) -> dict[Key, Image]:
     """Decode each source once, in threads. A missing file gives the checker and a line in `warnings`.
 
-    Raises SceneError as `load_image` does.
+    load: decodes one; raises FileNotFoundError when there is no such file. Raises SceneError as `load_image` does.
     """
     with ThreadPoolExecutor(max_workers=min(8, os.cpu_count() or 1)) as threads:
-        decoded = dict(zip(sources, threads.map(_load_or_none, sources.values()), strict=True))
+        decoded = dict(zip(sources, threads.map(partial(_load_or_none, load), sources.values()), strict=True))
     images = {}
     for key, image in decoded.items():
         if image is None:
@@ -141,8 +143,8 @@ def load_images(sources: Mapping[Key, ImageSource], warnings: list[str]) -> dict
     return images
 
 
-def _load_or_none(source: ImageSource) -> Image | None:
+def _load_or_none(load: Callable[[ImageSource], Image], source: ImageSource) -> Image | None:
     try:
-        return _load(source)
+        return load(source)
     except FileNotFoundError:
         return None

@@ -39,7 +39,7 @@ PRIMITIVE = ("meshes", 0, "primitives", 0)
     ("keys", "value", "place"),
     [
         (("asset",), {"version": "1.0"}, "asset"),
-        (("extensionsRequired",), ["KHR_draco_mesh_compression"], "extensionsRequired"),
+        (("extensionsRequired",), ["KHR_materials_volume"], "extensionsRequired"),
         (("accessors", 0, "count"), 4, "accessor 0"),
         (("accessors", 0, "count"), -1, "accessor 0"),
         (("accessors", 0, "byteOffset"), 2**40, "accessor 0"),
