@@ -79,6 +79,35 @@ def cloth(seed: int, color, trim, *, size: int = 256) -> Surface:
     return Surface(color_texture(albedo, "cloth"), normal_texture(0.03 * weave, 2.0, "cloth normals"))
 
 
+def planks(seed: int, color, *, size: int = 512, rows: int = 8) -> Surface:
+    """A wooden floor of `rows` boards that run along u, each ending somewhere; `color` is the mean linear albedo."""
+    rng = np.random.default_rng(seed)
+    row, column = _pixel_grid(size)
+    board = np.floor(row * rows).astype(int)
+    end = rng.random(rows)[board]
+    joint = np.minimum(_to_joint(row * rows) / rows, _to_joint(column - end))
+    face = np.clip((joint - 0.0008) / 0.002, 0.0, 1.0)
+    # Grain: noise stretched sixteen times along the board, from another place in each.
+    source = _noise(rng, size, 1.3)
+    place = (np.arange(size) // 16 + (rng.random(rows)[board] * size).astype(int)) % size
+    grain = source[np.arange(size)[:, None], place]
+    value = 0.97 + 0.10 * rng.standard_normal(rows)[board] + 0.09 * grain
+    albedo = np.asarray(color) * (value * (0.45 + 0.55 * face))[..., None]
+    return Surface(color_texture(albedo, "planks"), normal_texture(0.15 * face + 0.01 * grain, 2.0, "plank normals"))
+
+
+def carpet(seed: int, color, *, size: int = 256) -> Surface:
+    """Loop-pile carpet tiles, one repeat a tile: flecked colour `color` (linear, 3), seams at the edges."""
+    rng = np.random.default_rng(seed)
+    row, column = _pixel_grid(size)
+    fleck = rng.standard_normal((size, size))
+    seam = np.clip(np.minimum(_to_joint(row), _to_joint(column)) / 0.006, 0.0, 1.0)
+    value = (0.98 + 0.12 * fleck + 0.06 * _noise(rng, size, 1.5)) * (0.75 + 0.25 * seam)
+    loops = np.abs(np.sin(np.pi * 64 * column) * np.sin(np.pi * 64 * row))
+    albedo = np.asarray(color) * np.clip(value, 0.1, None)[..., None]
+    return Surface(color_texture(albedo, "carpet"), normal_texture(0.06 * loops, 2.0, "carpet normals"))
+
+
 def color_texture(albedo: np.ndarray, name: str) -> Texture:
     """A linear albedo (height, width, 3) as an opaque sRGB texture."""
     linear = np.clip(albedo, 0.0, 1.0)
