@@ -15,6 +15,7 @@ from .gltf_meshes import MeshTable, read_meshes
 from .gltf_nodes import read_nodes
 from .gltf_skins import read_instances, read_skins
 from .scene import Scene
+from .warning_lines import merged
 
 # KHR_mesh_quantization only widens the component types of attributes, all of which are read anyway.
 SUPPORTED = {
@@ -63,6 +64,7 @@ def load_gltf(path: str | Path) -> Scene:
     scene.tracks = read_animations(root, accessors, nodes, table, scene.warnings)
     if not scene.triangle_count:
         raise _nothing(path, table)
+    scene.warnings = merged(scene.warnings)
     return scene
 
 

@@ -56,8 +56,10 @@ def test_points_and_lines_are_left_out_with_a_warning(gltf):
     gltf.json["meshes"][0]["primitives"] += [{"attributes": {"POSITION": 0}, "mode": mode} for mode in (0, 1, 2, 3)]
     scene = load_gltf(gltf.write())
     assert scene.triangle_count == 1
-    assert len(scene.warnings) == 4
-    assert "mesh 0 primitive 2: lines" in scene.warnings[1]
+    assert scene.warnings == [
+        "mesh 0 primitive 1: points are left out",
+        "mesh 0 primitive 2 and 2 more places: lines are left out",
+    ]
 
 
 def test_interleaved_normalized_and_sparse_attributes(gltf):
