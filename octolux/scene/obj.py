@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from . import geometry, obj_materials
+from . import geometry, mikktspace, obj_materials
 from .assimp import AssimpRefusal, Model, Part, import_model
 from .errors import SceneError
 from .meshes import Instance, Mesh
@@ -38,7 +38,8 @@ def load_obj(path: str | Path) -> Scene:
     slots = _materials(scene, entries, used)
     for part, material in zip(model.parts, used, strict=True):
         if len(part.indices):
-            scene.meshes.append(_mesh(path, part, slots[material]))
+            normal_map = scene.materials[slots[material]].normal_texture is not None
+            scene.meshes.append(_mesh(path, part, slots[material], normal_map))
             scene.instances.append(Instance(len(scene.meshes) - 1, name=part.name))
     if not any(geometry.has_area(mesh.positions, mesh.indices).any() for mesh in scene.meshes):
         raise SceneError(path, "", "the model holds no triangle with an area", "export it with faces ('f' lines)")
@@ -101,7 +102,7 @@ def _materials(scene: Scene, entries: dict[str, tuple[MtlEntry, Path]], used: li
     return slots
 
 
-def _mesh(path: Path, part: Part, material: int) -> Mesh:
+def _mesh(path: Path, part: Part, material: int, normal_map: bool) -> Mesh:
     positions, indices = part.positions, part.indices
     if not np.isfinite(positions).all():
         place, problem = find_fault(path) or (f"group '{part.name}'", "a position is not finite")
@@ -111,11 +112,17 @@ def _mesh(path: Path, part: Part, material: int) -> Mesh:
         positions, normals, uvs, indices = geometry.flat(positions, uvs, indices)
     else:
         normals = geometry.repair_normals(positions, part.normals, indices)
+    if normal_map:  # which is baked for these tangents; without one they only have to be orthogonal to the normal
+        space = mikktspace.generate(positions, normals, uvs, indices)
+        positions, normals, uvs = (array[space.vertices] for array in (positions, normals, uvs))
+        indices, tangents = space.indices, space.tangents
+    else:
+        tangents = geometry.tangents(positions, normals, uvs, indices)
     return Mesh(
         positions=positions,
         normals=normals,
         uvs=uvs,
-        tangents=geometry.tangents(positions, normals, uvs, indices),
+        tangents=tangents,
         indices=indices,
         material=material,
         name=part.name,
