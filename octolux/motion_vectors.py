@@ -16,9 +16,9 @@ def motion_vectors(
     """float32 (height, width, 2): pixels that what is seen has moved since the frame before, x right, y down.
 
     ids: uint32 (height, width), as the rasteriser wrote them.  position: float32 (height, width, 3), world space.
-    before: the camera's view in the frame before.  scene: as it was then, or None for the first frame. Where an instance or the
-    triangles of its mesh are not the same as then, only the camera's motion counts. 0 where nothing is seen, and where
-    the point was behind the camera.
+    before: the camera's view in the frame before.  scene: as it was then, or None for the first frame. Where an
+    instance or the triangles of its mesh are not the same as then, only the camera's motion counts. 0 where nothing is
+    seen, and where the point was behind the camera.
     """
     motion = np.zeros((*ids.shape, 2), np.float32)
     seen = ids > 0

@@ -26,7 +26,7 @@ from .scene.cameras import Camera
 from .scene.daylight import sky, sun
 from .scene.default_camera import default_camera
 from .scene.errors import OctoluxError
-from .scene.exposure import metered_exposure
+from .scene.exposure import display_exposure
 from .scene.scene import Scene
 from .simulator.tonemap import TONE_MAPS, exposure_factor
 from .techniques import technique_class
@@ -125,7 +125,7 @@ class Renderer:
             with off.frame():
                 self._draw(frame)
             luminance = Picture(self.device, frame, 0.0).mean_luminance()
-        self.exposure = metered_exposure(max(luminance, _DARKEST))
+        self.exposure = display_exposure(max(luminance, _DARKEST))
         return self.exposure
 
     def _draw(self, frame: Frame) -> None:
@@ -134,7 +134,7 @@ class Renderer:
             frame.sample = sample
             frame.views[0] = sample_view(view, sample, frame.samples)
             frame.profiler.submit()
-            self._buffers.aim(frame.views[0], alpha_shift(sample, frame.samples))
+            self._buffers.aim(frame.views[0], alpha_shift(sample, frame.samples), frame.samples)
             self._gbuffer.run(frame)
             if sample == 0:
                 self._light(frame)
@@ -192,7 +192,7 @@ class Renderer:
     def _camera(self, wanted: str | int | Camera | None, scene: Scene) -> Camera:
         if isinstance(wanted, Camera):
             return wanted
-        cameras = scene.cameras or [default_camera(scene)]
+        cameras = scene.cameras or [default_camera(scene, self.targets.size[0] / self.targets.size[1])]
         names = [c.name for c in cameras]
         if isinstance(wanted, str) and wanted in names:
             return cameras[names.index(wanted)]

@@ -141,8 +141,9 @@ class FrameBuffers:
             self.device.write(self._kept[name], data)
         return dict(self._kept)
 
-    def aim(self, view: View, alpha_shift: float) -> None:
-        """Let the camera look along `view` from now on."""
-        packed = RASTER_VIEW.pack(view_projection=view.view_projection.T, alpha_shift=alpha_shift)
+    def aim(self, view: View, alpha_shift: float, samples: int) -> None:
+        """Let the camera look along `view` from now on, for one of `samples` samples a pixel."""
+        matrix = view.view_projection.T
+        packed = RASTER_VIEW.pack(view_projection=matrix, alpha_shift=alpha_shift, samples=samples)
         self.device.write(self._kept["views"], view.pack())
         self.device.write(self._kept["raster_views"], packed)

@@ -60,7 +60,11 @@ fn discard_if_masked(corner: Corner) {
     {% endif %}
     var cut = alpha < material.alpha_cutoff;
     {% if blended %}
-    let threshold = hashed_threshold(corner.position_ws, view.alpha_shift);
+    let fixed_threshold = hashed_threshold(corner.position_ws);
+    let threshold = select(
+        fixed_threshold, sample_threshold(corner.position.xy, corner.id >> CLUSTER_BITS, view.alpha_shift),
+        view.samples > 1u,
+    );
     if material.alpha_mode == 2u { cut = alpha <= threshold; }
     {% endif %}
     if cut { discard; }

@@ -2,21 +2,33 @@
 
 from __future__ import annotations
 
-from math import radians, sin
+from math import radians, tan
 
 import numpy as np
 
-from .cameras import Camera
+from .cameras import Camera, look_at
 from .scene import Scene
 
-_FOV = radians(45.0)
+_FOV = radians(35.0)
+_FROM = (0.5, 0.35, 1.0)
+# Of the picture's half width and height; the rest is a rim.
+_FILLED = 0.85
 
 
-def default_camera(scene: Scene) -> Camera:
-    """A camera that holds the scene's bounding sphere, seen from the front, right and above."""
+def default_camera(scene: Scene, aspect: float = 16 / 9) -> Camera:
+    """A camera that holds the scene's bounding box, seen from the front, right and above.
+
+    aspect: width over height of the picture.
+    """
     low, high = scene.bounds()
-    centre, radius = (low + high) / 2, max(float(np.linalg.norm(high - low)) / 2, 1e-3)
-    direction = np.array([0.5, 0.35, 1.0])
-    distance = radius / sin(_FOV / 2)
-    position = centre + direction / np.linalg.norm(direction) * distance
-    return Camera.look_at(position, centre, vertical_fov=_FOV, near=distance * 1e-3, name="default")
+    size = max(float(np.linalg.norm(high - low)), 1e-3)
+    centre = (low + high) / 2
+    axes = look_at(np.asarray(_FROM), np.zeros(3))[:3, :3]
+    corners = np.array(np.meshgrid(*zip(low, high, strict=True), indexing="ij")).reshape(3, -1).T
+    x, y, z = ((corners - centre) @ axes).T  # right, up, and towards the camera
+    half = tan(_FOV / 2)
+    # A corner is seen where |y| <= half * (distance - z), and |x| <= aspect * half * (distance - z).
+    beyond = np.maximum(np.abs(x) / aspect, np.abs(y)) / (_FILLED * half)
+    distance = max(float((z + beyond).max()), size * 1e-2)
+    position = centre + axes[:, 2] * distance
+    return Camera.look_at(position, centre, vertical_fov=_FOV, near=size * 1e-3, name="default")

@@ -1,7 +1,5 @@
-// Hashed alpha testing (Wyman and McGuire 2017, "Hashed Alpha Testing", listing 1): a threshold in [0, 1) for each point of
-// space, even over pixels and stable under motion. A surface is kept with a probability equal to its alpha; averaged over
-// the samples of a pixel, each of which shifts the threshold, that is the blend of all layers in their right order
-// (stochastic transparency, Enderton et al. 2010). The hash is on integers, for the same bits on every device.
+// Blended surfaces by stochastic transparency (Enderton et al. 2010): a surface is kept with a probability equal to its
+// alpha. Averaged over the samples of a pixel that is the blend of all layers in their right order.
 
 // PCG in three dimensions (Jarzynski and Olano 2020, "Hash Functions for GPU Rendering"), in [0, 1).
 fn lattice_hash(cell: vec3i) -> f32 {
@@ -14,8 +12,9 @@ fn lattice_hash(cell: vec3i) -> f32 {
     return f32(v.x >> 8u) / 16777216.0;
 }
 
-// Call it in uniform control flow: it takes derivatives. `shift` turns the threshold round, for further samples.
-fn hashed_threshold(p: vec3f, shift: f32) -> f32 {
+// A threshold in [0, 1) for each point of space, even over pixels and stable under motion, for pictures of one sample
+// (Wyman and McGuire 2017, "Hashed Alpha Testing", listing 1). Call it in uniform control flow: it takes derivatives.
+fn hashed_threshold(p: vec3f) -> f32 {
     let step = max(length(dpdx(p)), length(dpdy(p)));
     let log_scale = -log2(max(step, 1e-20));
     let fine = fract(log_scale);
@@ -29,5 +28,11 @@ fn hashed_threshold(p: vec3f, shift: f32) -> f32 {
     var even = (x - 0.5 * a) / (1.0 - a);
     if x < a { even = x * x / rest; }
     if x >= 1.0 - a { even = 1.0 - (1.0 - x) * (1.0 - x) / rest; }
-    return fract(clamp(even, 0.0, 0.999999) + shift);
+    return clamp(even, 0.0, 0.999999);
+}
+
+// The same for one of many samples of a pixel: `shift` is even over the samples, so that their mean has little noise; the
+// number of the surface's cluster keeps layers apart.
+fn sample_threshold(pixel: vec2f, cluster: u32, shift: f32) -> f32 {
+    return fract(lattice_hash(vec3i(vec2i(pixel), i32(cluster))) + shift);
 }
