@@ -88,8 +88,12 @@ def import_model(path: Path, extra_flags: tuple[str, ...] = ()) -> Model:
     for entry in header["parts"]:
         part, start = _part(entry, blobs, start)
         parts.append(part)
+    placed = _placed(header["nodes"])
+    last = max((p.material for p in parts), default=-1)
+    if last >= len(header["materials"]) or any(n >= len(parts) for p in placed for n in p.parts):
+        raise AssimpRefusal("RuntimeError", "it names a mesh or material that is not there")
     textures = [{int(kind): files for kind, files in t.items()} for t in header["textures"]]
-    return Model(parts, _placed(header["nodes"]), header["materials"], textures)
+    return Model(parts, placed, header["materials"], textures)
 
 
 def _run(path: Path, flags: str) -> tuple[dict[str, Any], memoryview]:
@@ -118,14 +122,20 @@ def _failed(path: Path, problem: str) -> SceneError:
 
 
 def _part(entry: dict[str, Any], blobs: memoryview, start: int) -> tuple[Part, int]:
+    indices = np.zeros((0, 3), np.uint32)  # of meshes without faces
     found: dict[str, np.ndarray | None] = dict.fromkeys(("normals", "uvs", "colors"))
     for name, width in entry["arrays"]:
         rows = entry["triangles" if name == "indices" else "vertices"]
         end = start + rows * width * 4
-        kind = np.uint32 if name == "indices" else np.float32
-        found[name] = np.frombuffer(blobs[start:end], kind).reshape(rows, width)
+        values = np.frombuffer(blobs[start:end], np.uint32 if name == "indices" else np.float32).reshape(rows, width)
+        if name == "indices":
+            indices = values
+        else:
+            found[name] = values
         start = end
-    return Part(name=entry["name"], material=entry["material"], **found), start  # type: ignore[arg-type]
+    if indices.size and int(indices.max()) >= entry["vertices"]:  # some of assimp's readers do not look
+        raise AssimpRefusal("RuntimeError", f"a face names vertex {int(indices.max())} of {entry['vertices']}")
+    return Part(entry["name"], entry["material"], indices=indices, **found), start  # type: ignore[arg-type]
 
 
 def _placed(nodes: list[dict[str, Any]]) -> list[Placed]:
