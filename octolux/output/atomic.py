@@ -55,7 +55,7 @@ def remove_leftovers(folder: Path) -> int:
 
 def _locked_temporary(path: Path) -> tuple[int, str]:
     while True:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f"{_MARK}{path.stem[:64]}-", suffix=path.suffix)
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f"{_MARK}{path.stem[:32]}-", suffix=path.suffix)
         _lock(handle)
         if os.path.exists(name):  # else another run took it for a leftover before it was locked
             return handle, name

@@ -22,7 +22,7 @@ def write(picture: Picture, path: Path, options: FileOptions) -> None:
 def complete(path: Path, size: tuple[int, int], options: FileOptions) -> bool:
     """Whether `path` is a whole NPZ of `size` (width, height) that holds every layer of the options."""
     try:
-        with np.load(path, allow_pickle=False) as layers:
+        with path.open("rb") as file, np.load(file, allow_pickle=False) as layers:
             wanted = [name for name in LAYERS if options.wants(name)]
             return all(layers[name].shape[:2] == size[::-1] for name in wanted)
     except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile, zlib.error):
