@@ -14,7 +14,9 @@ from typing import Any
 import numpy as np
 
 from .cameras import Camera
+from .compose import placed
 from .errors import SceneError
+from .extents import check_extent
 from .images import from_pillow
 from .materials import AlphaMode, Image, Material, Texture
 from .meshes import Instance, Mesh
@@ -41,18 +43,17 @@ def from_trimesh(source: Any) -> Scene:
     for node in source.graph.nodes_geometry:
         matrix, geometry = source.graph[node]
         result.add(str(node), np.asarray(matrix, np.float64), str(geometry), source.geometry[geometry], trimesh.Trimesh)
-    if source.has_camera:
+    if source.has_camera and source.camera.name in source.graph.nodes:
         matrix = np.array(source.camera_transform, np.float64)
         fov = radians(float(source.camera.fov[1]))
         result.scene.cameras.append(Camera(transform=matrix, vertical_fov=fov, name="camera"))
-    scale = trimesh.units.unit_conversion(source.units, "meters") if source.units else 1.0
-    return _scaled(result.scene, scale)
-
-
-def _scaled(scene: Scene, scale: float) -> Scene:
-    from .compose import placed
-
-    return placed(scene, np.diag([scale, scale, scale, 1.0]))
+    try:
+        scale = trimesh.units.unit_conversion(source.units, "meters") if source.units else 1.0
+    except (KeyError, ValueError) as error:
+        raise SceneError("trimesh.Scene", "units", f"is '{source.units}'", "name a unit that trimesh knows") from error
+    scene = placed(result.scene, np.diag([scale, scale, scale, 1.0]))
+    check_extent(scene, "trimesh.Scene")
+    return scene
 
 
 @dataclass
