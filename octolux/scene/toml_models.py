@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..data import data_folder
+from .animation import Track
 from .builtin import BUILTIN
 from .compose import droppable_names, flat_shaded, placed, untextured, without
 from .load import LOADERS, load_scene
@@ -22,7 +23,7 @@ DATA = "data:"
 """What a file name begins with that counts from the folder `scenes` of the data folder."""
 
 KEYS = ("file", "unit", "up", "scale", "rotate", "translate", "matrix", "drop", "normals", "textures", "lights",
-        "cameras")
+        "cameras", "clip")
 
 
 def load_model(table: Table) -> Scene:
@@ -39,8 +40,16 @@ def load_model(table: Table) -> Scene:
         scene = replace(scene, materials=[untextured(m) for m in scene.materials])
     scene = replace(scene, lights=scene.lights if lights else [], cameras=scene.cameras if cameras else [])
     kept = {("light", o.name) for o in scene.lights} | {("camera", o.name) for o in scene.cameras}
-    tracks = [t for t in scene.tracks if t.target in ("instance", "node") or (t.target, t.name) in kept]
+    tracks = [t for t in _playing(table, scene) if t.target in ("instance", "node") or (t.target, t.name) in kept]
     return placed(replace(scene, tracks=tracks), matrix)
+
+
+def _playing(table: Table, scene: Scene) -> list[Track]:
+    """The model's tracks; those of `clip` alone when that is given, which then plays whatever else does."""
+    if "clip" not in table:
+        return scene.tracks
+    clip = table.choice("clip", scene.clips)
+    return [replace(track, clip="") for track in scene.tracks if track.clip in ("", clip)]
 
 
 def _source(table: Table) -> str | Path:
