@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from fnmatch import fnmatchcase
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -78,9 +79,14 @@ def untextured(material: Material) -> Material:
 
 
 def combined(scenes: Iterable[Scene], name: str = "") -> Scene:
-    """All of the scenes in one. Environment and exposure are those of the first scene that has any."""
+    """All of the scenes in one. Environment and exposure are those of the first scene that has any.
+
+    Tracks find what they move by its name: where scenes have objects of one name and it moves in one of them, those of
+    the later scene get a number behind it.
+    """
     result = Scene(name=name)
     for scene in scenes:
+        scene = _told_apart(scene, result)
         meshes, materials, skins = len(result.meshes), len(result.materials), len(result.skins)
         scene = _renumbered(scene, len(result.nodes))
         result.meshes += [replace(m, material=m.material + materials) for m in scene.meshes]
@@ -98,6 +104,34 @@ def combined(scenes: Iterable[Scene], name: str = "") -> Scene:
         if result.exposure is None:
             result.exposure = scene.exposure
     return result
+
+
+def _told_apart(scene: Scene, other: Scene) -> Scene:
+    """The scene with other names for what one of the two has tracks for and both have."""
+    moving = {(track.target, track.name) for track in (*scene.tracks, *other.tracks) if track.target != "node"}
+    here, there = _targets(scene), _targets(other)
+    renamed: dict[tuple[str, str], str] = {}
+    for kind, name in here & there & moving:
+        renamed[kind, name] = _free(name, {n for k, n in here | there if k == kind})
+    if not renamed:
+        return scene
+    return replace(
+        scene,
+        instances=[replace(i, name=renamed.get(("instance", i.name), i.name)) for i in scene.instances],
+        lights=[replace(light, name=renamed.get(("light", light.name), light.name)) for light in scene.lights],
+        cameras=[replace(camera, name=renamed.get(("camera", camera.name), camera.name)) for camera in scene.cameras],
+        tracks=[replace(track, name=renamed.get((track.target, track.name), track.name)) for track in scene.tracks],
+    )
+
+
+def _targets(scene: Scene) -> set[tuple[str, str]]:
+    """What tracks may name, as kind and name."""
+    return {*(("instance", i.name) for i in scene.instances), *(("light", light.name) for light in scene.lights),
+            *(("camera", camera.name) for camera in scene.cameras)}  # fmt: skip
+
+
+def _free(name: str, taken: set[str]) -> str:
+    return next(free for free in (f"{name} {number}" for number in count(2)) if free not in taken)
 
 
 def _names(scene: Scene) -> list[tuple[str, str, str]]:

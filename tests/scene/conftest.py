@@ -65,7 +65,7 @@ class GltfBuilder:
         entry = {
             "bufferView": self.view(array),
             "componentType": kinds[array.dtype.name],
-            "type": ("SCALAR", "VEC2", "VEC3", "VEC4")[width - 1],
+            "type": {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}[width],
             "count": len(array),
             **more,
         }
