@@ -11,7 +11,7 @@ from .frame.anti_aliasing import FxaaPass, alpha_shift, sample_view, samples_of
 from .frame.composite import CompositePass
 from .frame.direct import DirectLightPass
 from .frame.environment import SurroundingsMap
-from .frame.frame import Frame, FrameBuffers, FrameSettings, Targets
+from .frame.frame import SKY_BLOCK, Frame, FrameBuffers, FrameSettings, Targets
 from .frame.gbuffer import GBufferPass
 from .frame.lights import light_set, unsupported
 from .frame.rsm import RSMPass
@@ -165,7 +165,8 @@ class Renderer:
             self._rsm = RSMPass(self.device, gpu_scene, settings)
             self._passes_of = gpu_scene.version
         of_sky = self._surroundings.lights(settings.sky_lights)
-        lights = light_set([*scene.lights, *of_sky], gpu_scene.bounds, settings.shadow_resolution)
+        resolutions = (settings.shadow_resolution, settings.sky_resolution)
+        lights = light_set([*scene.lights, *of_sky], gpu_scene.bounds, *resolutions)
         views = [self._view(self._camera(wanted, scene)), *lights.views]
         draws = draw_list(gpu_scene, [views[0].widened(), *lights.views])
         buffers = self._buffers.upload(lights, views, draws)
@@ -244,6 +245,8 @@ def _check_size(settings: FrameSettings) -> None:
     for name, value, most in (("width", settings.width, 8192), ("height", settings.height, 8192)):
         if not 1 <= value <= most:
             raise OctoluxError(f"The picture's {name} must be 1 to {most} pixels, not {value}.")
+    if settings.sky_resolution % SKY_BLOCK:
+        raise OctoluxError(f"sky_resolution {settings.sky_resolution} is not a multiple of {SKY_BLOCK}.")
     if settings.shadow_resolution % settings.rsm_resolution:
         raise OctoluxError(
             f"rsm_resolution {settings.rsm_resolution} does not divide shadow_resolution {settings.shadow_resolution}."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..gpu.bindings import sampler, storage_texture, texture
+from ..gpu.bindings import Binding, sampler, storage_texture, texture
 from ..gpu.device import Device
 from ..gpu.passes import ComputePass
 from .environment import SurroundingsMap
@@ -33,14 +33,14 @@ class DirectLightPass:
                 [
                     views_binding(), lights_binding(), texture("surface_map", "uint"), texture("depth_map"),
                     texture("shadow_maps", "depth", "2d-array"), sampler("shadow_sampler", "non-filtering"),
-                    storage_texture("direct_out", "rgba32float"), *(SurroundingsMap.bindings() if counts[1] else ()),
+                    storage_texture("direct_out", "rgba32float"), *(_sky_bindings() if counts[3] else ()),
                 ],
                 structs=[VIEW, LIGHT, ENVIRONMENT], shadows=True, **_groups(counts), **CONSTANTS,
             )  # fmt: skip
         return self._variants[counts]
 
     def run(self, frame: Frame, shadow_sampler: Any, surroundings: SurroundingsMap) -> None:
-        sky = surroundings.resources if frame.lights.counts[1] else {}
+        sky = {**surroundings.resources, "sky_maps": frame.sky_maps} if frame.lights.counts[3] else {}
         with frame.profiler.stage("direct light") as stage:
             self._variant(frame.lights.counts).run(
                 stage, frame.pixels, surface_map=frame.targets.surface, depth_map=frame.targets.depth,
@@ -49,13 +49,17 @@ class DirectLightPass:
             )  # fmt: skip
 
 
+def _sky_bindings() -> list[Binding]:
+    return [texture("sky_maps", "depth", "2d-array"), *SurroundingsMap.bindings()]
+
+
 def _groups(counts: tuple[int, int, int, int]) -> dict[str, Any]:
     """For the template: `groups`, for each kind in the order of the lights but the sky its name, first light, number of
     lights, first view, views of each; and where the sky's lights and views begin."""
     groups: list[tuple[str, int, int, int, int]] = []
     light, view = 0, 1  # view 0 is the camera
-    values: dict[str, Any] = {"sky": counts[1], "unrolled": sum(counts) - counts[1] <= _UNROLLED, "groups": groups}
-    for kind, count, views_each in zip(KINDS, counts, (1, 1, 1, CUBE_FACES), strict=True):
+    values: dict[str, Any] = {"sky": counts[3], "unrolled": sum(counts[:3]) <= _UNROLLED, "groups": groups}
+    for kind, count, views_each in zip(KINDS, counts, (1, 1, CUBE_FACES, 1), strict=True):
         if kind == "sky":
             values |= {"sky_first": light, "sky_view": view}
         else:

@@ -57,7 +57,7 @@ fn from_sky(p: Point) -> vec3f {
         let l = -light.direction;
         var lit = 0.0;
         if dot(s.geometric_normal, l) > 0.0 {
-            lit = lit_fraction({{ sky_view - sky_first }}u + i, p.position, s.geometric_normal, light.texel);
+            lit = sky_fraction({{ sky_view - sky_first }}u + i, p.position, s.geometric_normal, light.texel);
         }
         let share = light.color * max(dot(s.normal, l), 0.0);
         all += share;

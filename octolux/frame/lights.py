@@ -22,7 +22,7 @@ class LightSet:
     """Lights in the order of KINDS, packed as WGSL's `Light`.
 
     counts: of each kind, in that order.
-    views: of all shadow maps; layer i of the shadow maps is views[i].  light_of_view: its light's index.
+    views: of all shadow maps, those of the sky last.  light_of_view: the index of each one's light.
     total_flux: (lights, 3), lm or W: what each sends into its views, an upper bound of what the scene can reflect.
     """
 
@@ -33,9 +33,10 @@ class LightSet:
     light_of_view: list[int]
     total_flux: np.ndarray
 
-    def layers_of(self, light: int) -> list[int]:
-        """Shadow-map layers of light number `light`."""
-        return [layer for layer, index in enumerate(self.light_of_view) if index == light]
+    @property
+    def main_views(self) -> int:
+        """How many of the views are not the sky's: view i is layer i of the shadow maps, then of the sky's maps."""
+        return len(self.views) - self.counts[3]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,11 +44,11 @@ class SkyLight(DirectionalLight):
     """A part of the sky, as if all its light came from one direction."""
 
 
-KINDS = {"directional": DirectionalLight, "sky": SkyLight, "spot": SpotLight, "point": PointLight}
+KINDS = {"directional": DirectionalLight, "spot": SpotLight, "point": PointLight, "sky": SkyLight}
 """Lights that have shadow maps, in the order in which they lie on the device."""
 
 
-def light_set(lights: list[Light], bounds: Bounds, resolution: int) -> LightSet:
+def light_set(lights: list[Light], bounds: Bounds, resolution: int, sky_resolution: int = 1) -> LightSet:
     """Pack the lights that have shadow maps; area lights are not among them (`unsupported` names them).
 
     Raises DeviceError when their shadow maps need more layers than an array has.
@@ -58,8 +59,8 @@ def light_set(lights: list[Light], bounds: Bounds, resolution: int) -> LightSet:
     views: list[View] = []
     owners: list[int] = []
     for index, light in enumerate(ordered):
-        made = _views_of(light, bounds, resolution)
-        packed[index] = _pack(light, made, resolution)[0]
+        made = _views_of(light, bounds, sky_resolution if isinstance(light, SkyLight) else resolution)
+        packed[index] = _pack(light, made)[0]
         views += made
         owners += [index] * len(made)
     if len(views) > DEFAULT_LIMITS["max-texture-array-layers"]:
@@ -67,9 +68,9 @@ def light_set(lights: list[Light], bounds: Bounds, resolution: int) -> LightSet:
             f"{len(ordered)} lights need {len(views)} shadow maps; {DEFAULT_LIMITS['max-texture-array-layers']} is the "
             "most (a point light needs six). Use fewer lights."
         )
-    directional, sky, spot, point = (len(group) for group in by_kind)
+    directional, spot, point, sky = (len(group) for group in by_kind)
     flux = np.array([_total_flux(light, v) for light, v in zip(ordered, _grouped(views, owners), strict=True)])
-    return LightSet(ordered, packed, (directional, sky, spot, point), views, owners, flux.reshape(-1, 3))
+    return LightSet(ordered, packed, (directional, spot, point, sky), views, owners, flux.reshape(-1, 3))
 
 
 def unsupported(lights: list[Light]) -> list[Light]:
@@ -94,9 +95,9 @@ def _unit(direction: np.ndarray) -> np.ndarray:
     return direction / np.linalg.norm(direction)
 
 
-def _pack(light: Light, views: list[View], resolution: int) -> np.ndarray:
+def _pack(light: Light, views: list[View]) -> np.ndarray:
     # Texels of a directional map are oblong: the larger edge decides the shadow offset.
-    texel = 2.0 * max(float(np.linalg.norm(views[0].right)), float(np.linalg.norm(views[0].up))) / resolution
+    texel = 2.0 * max(float(np.linalg.norm(views[0].right)), float(np.linalg.norm(views[0].up))) / views[0].width
     values = {"position": (0, 0, 0), "direction": (0, 0, 0), "cos_outer": 0.0, "cone_slope": 0.0}
     if isinstance(light, DirectionalLight | SpotLight):
         values["direction"] = _unit(np.asarray(light.direction, dtype=np.float64))

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..gpu.bindings import storage_rw, texture
+from ..gpu.bindings import storage_rw, texture, uniform
 from ..gpu.device import Device, DeviceError
 from ..gpu.limits import DEFAULT_LIMITS
 from ..gpu.passes import ComputePass
 from ..gpu_scene.gpu_scene import GpuScene
-from .frame import Frame, FrameSettings
+from .frame import SKY_BLOCK, Frame, FrameSettings
 from .shader_values import CONSTANTS, surface_values
 from .shadows import ShadowMapPass
-from .structs import LIGHT, VIEW, VPL, lights_binding, views_binding
+from .structs import LIGHT, RSM_SET, VIEW, VPL, lights_binding, views_binding
 
 
 class RSMPass:
@@ -21,37 +21,62 @@ class RSMPass:
     directional light."""
 
     def __init__(self, device: Device, scene: GpuScene, settings: FrameSettings):
-        self.device, self.settings = device, settings
+        self.device = device
         self._buffer: Any = None
         stride = settings.shadow_resolution // settings.rsm_resolution
-        self._pass = ComputePass(
+        self._edges = (settings.rsm_resolution, settings.sky_resolution // SKY_BLOCK)
+        blocks = ((self._edges[0], stride), (self._edges[1], SKY_BLOCK))
+        self._passes = [self._made(device, scene, edge, block) for edge, block in blocks]
+        self._sets = [device.uniform("RSM set", RSM_SET.array(1)) for _ in blocks]
+
+    @staticmethod
+    def _made(device: Device, scene: GpuScene, resolution: int, stride: int) -> ComputePass:
+        return ComputePass(
             device, "RSM", "frame/rsm.wgsl",
             [
-                views_binding(), lights_binding(),
+                views_binding(), lights_binding(), uniform("maps", RSM_SET),
                 texture("shadow_ids", "uint", "2d-array"), storage_rw("vpls", VPL, "write"),
             ],
-            structs=[VIEW, LIGHT, VPL], shared=scene.bindings, shadows=False,
-            resolution=settings.rsm_resolution, stride=stride, **CONSTANTS, **surface_values(scene),
+            structs=[VIEW, LIGHT, VPL, RSM_SET], shared=scene.bindings, shadows=False,
+            resolution=resolution, stride=stride, **CONSTANTS, **surface_values(scene),
         )  # fmt: skip
 
     def run(self, frame: Frame, shadow_maps: ShadowMapPass) -> None:
-        """Fill `frame.vpls`: [layer][row][column], of size layers * rsm_resolution^2."""
-        layers, resolution = len(frame.lights.views), self.settings.rsm_resolution
-        size = max(1, layers) * resolution**2 * VPL.size
-        limit = DEFAULT_LIMITS["max-storage-buffer-binding-size"]
+        """Fill `frame.vpls`, and say in `frame.vpl_ranges` where those of each light lie."""
+        layers = (frame.lights.main_views, frame.lights.counts[3])
+        counts = [n * edge**2 for n, edge in zip(layers, self._edges, strict=True)]
+        self._make_room(frame, sum(counts))
+        frame.vpls, frame.vpl_ranges = self._buffer, self._ranges(frame)
+        if not any(layers):
+            return
+        places = ((1, 0), (1 + layers[0], counts[0]))
+        with frame.profiler.stage("RSM surfaces") as stage:
+            for number, maps in enumerate((shadow_maps.main, shadow_maps.sky)):
+                first_view, first_vpl = places[number]
+                self.device.write(self._sets[number], RSM_SET.pack(first_view=first_view, first_vpl=first_vpl))
+                if layers[number]:
+                    edge = self._edges[number]
+                    self._passes[number].run(
+                        stage, (edge, edge, layers[number]), frame.gpu_scene.resources, views=frame.buffers["views"],
+                        lights=frame.buffers["lights"], maps=self._sets[number], shadow_ids=maps.ids, vpls=frame.vpls,
+                    )  # fmt: skip
+
+    def _make_room(self, frame: Frame, vpls: int) -> None:
+        size, limit = max(1, vpls) * VPL.size, DEFAULT_LIMITS["max-storage-buffer-binding-size"]
         if size > limit:
             raise DeviceError(
-                f"{layers} views of lights with {resolution} x {resolution} VPLs each are more than the "
-                f"{limit // (resolution**2 * VPL.size)} that fit. Use fewer lights (a point light has six views) or a "
-                "lower --rsm-resolution."
+                f"{frame.lights.main_views} views of lights with {self._edges[0]} x {self._edges[0]} VPLs each and "
+                f"{frame.lights.counts[3]} sky lights are more than the {limit // VPL.size} VPLs that fit. Use fewer "
+                "lights (a point light has six views) or a lower --rsm-resolution."
             )
         if self._buffer is None or self._buffer.size != size:
             self._buffer = self.device.buffer("VPLs", size=size)
-        frame.vpls = self._buffer
-        if not layers:
-            return
-        with frame.profiler.stage("RSM surfaces") as stage:
-            self._pass.run(
-                stage, (resolution, resolution, layers), frame.gpu_scene.resources, views=frame.buffers["views"],
-                lights=frame.buffers["lights"], shadow_ids=shadow_maps.ids, vpls=frame.vpls,
-            )  # fmt: skip
+
+    def _ranges(self, frame: Frame) -> list[tuple[int, int]]:
+        """First and number of the VPLs of each light: those of its views lie behind one another."""
+        lights = frame.lights
+        sizes = [self._edges[number >= lights.main_views] ** 2 for number in range(len(lights.views))]
+        counts = [0] * len(lights.lights)
+        for owner, size in zip(lights.light_of_view, sizes, strict=True):
+            counts[owner] += size
+        return [(sum(counts[:number]), count) for number, count in enumerate(counts)]

@@ -10,13 +10,13 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let layer = id.z;
     let pick = (id.x * {{ stride + 1 }}u + id.y * {{ stride }}u) % {{ stride * stride }}u;
     let texel = id.xy * {{ stride }}u + vec2u(pick % {{ stride }}u, pick / {{ stride }}u);
-    let index = (layer * {{ resolution }}u + id.y) * {{ resolution }}u + id.x;
+    let index = maps.first_vpl + (layer * {{ resolution }}u + id.y) * {{ resolution }}u + id.x;
     let triangle = textureLoad(shadow_ids, texel, layer, 0).x;
     if triangle == 0u {
         vpls[index] = Vpl(vec3f(0.0), 0u, vec3f(0.0), 0.0);
         return;
     }
-    let view = views[layer + 1u];
+    let view = views[maps.first_view + layer];
     let light = lights[view.light];
     let scale = f32({{ stride }});
     let ray = view_ray(view, vec2f(texel) + 0.5);

@@ -1,4 +1,5 @@
-"""Shadow maps of all lights in one depth array, one layer for a directional or spot light and six for a point light."""
+"""Shadow maps of all lights in two depth arrays: one layer for a directional or spot light and six for a point light in
+one, and the sky's, which are many and coarse, in the other."""
 
 from __future__ import annotations
 
@@ -9,31 +10,59 @@ from .frame import RENDER, TEXTURE, Frame
 from .visibility import VisibilityPass
 
 
-class ShadowMapPass:
-    """Draws every light's faces; with `ids` also, in the same rendering, the triangle numbers RSMs are made from."""
+class ShadowMaps:
+    """An array of shadow maps, and of the triangle numbers that RSMs are made from."""
 
-    def __init__(self, device: Device, visibility: VisibilityPass):
-        self.device, self.visibility = device, visibility
+    def __init__(self, device: Device, label: str):
+        self.device, self.label = device, label
         self.depth: Any = None
         self.ids: Any = None
+
+    def need(self, resolution: int, layers: int, ids: bool) -> None:
+        self.depth = self._array(self.depth, "shadow maps", "depth32float", layers, resolution)
+        if ids:
+            self.ids = self._array(self.ids, "shadow-map triangles", "r32uint", layers, resolution)
+
+    def _array(self, texture: Any, what: str, format: str, layers: int, resolution: int) -> Any:
+        size = (resolution, resolution, max(1, layers))
+        if texture is not None and texture.size == size:
+            return texture
+        return self.device.texture(f"{self.label}{what}", size, format, usage=RENDER | TEXTURE)
+
+    def targets(self, layer: int, ids: bool) -> tuple[Any, Any | None]:
+        one = {"dimension": "2d", "base_array_layer": layer, "array_layer_count": 1}
+        return self.depth.create_view(**one), self.ids.create_view(**one) if ids else None
+
+
+class ShadowMapPass:
+    """Draws every light's faces; with `ids` also, in the same rendering, the triangle numbers RSMs are made from.
+
+    The sky's maps are drawn again only when something in the scene has moved: a sky does not, and they are many.
+    """
+
+    def __init__(self, device: Device, visibility: VisibilityPass):
+        self.visibility = visibility
+        self.main, self.sky = ShadowMaps(device, ""), ShadowMaps(device, "sky ")
+        self._sky_of: tuple = ()
         self.sampler = device.wgpu.create_sampler()  # nearest: the four depths are compared one by one
 
-    def _layers(self, texture: Any, label: str, format: str, layers: int, resolution: int) -> Any:
-        if texture is not None and texture.size == (resolution, resolution, layers):
-            return texture
-        return self.device.texture(label, (resolution, resolution, layers), format, usage=RENDER | TEXTURE)
-
     def run(self, frame: Frame, ids: bool) -> None:
-        """Fill the layers and set `frame.shadow_maps`."""
-        resolution, layers = frame.settings.shadow_resolution, max(1, len(frame.lights.views))
-        self.depth = self._layers(self.depth, "shadow maps", "depth32float", layers, resolution)
-        if ids:
-            self.ids = self._layers(self.ids, "shadow-map triangles", "r32uint", layers, resolution)
-        frame.shadow_maps = self.depth
-        if not frame.lights.views:
+        """Fill the layers and set `frame.shadow_maps` and `frame.sky_maps`."""
+        settings, lights = frame.settings, frame.lights
+        first_sky = lights.main_views
+        self.main.need(settings.shadow_resolution, first_sky, ids)
+        self.sky.need(settings.sky_resolution, lights.counts[3], ids)
+        frame.shadow_maps, frame.sky_maps = self.main.depth, self.sky.depth
+        drawn = first_sky if self._sky_is_kept(frame, ids) else len(lights.views)
+        if not lights.views:
             return
         with frame.profiler.stage("RSM rendering" if ids else "shadow maps") as stage:
-            for layer in range(len(frame.lights.views)):
-                one = {"dimension": "2d", "base_array_layer": layer, "array_layer_count": 1}
-                depth, id_view = self.depth.create_view(**one), self.ids.create_view(**one) if ids else None
-                self.visibility.draw(stage, frame, layer + 1, depth, id_view)
+            for number in range(drawn):
+                maps, layer = (self.main, number) if number < first_sky else (self.sky, number - first_sky)
+                self.visibility.draw(stage, frame, number + 1, *maps.targets(layer, ids))
+
+    def _sky_is_kept(self, frame: Frame, ids: bool) -> bool:
+        """Whether the sky's layers hold what would be drawn: all that they show is as it was."""
+        views = b"".join(view.view_projection.tobytes() for view in frame.lights.views[frame.lights.main_views :])
+        before, self._sky_of = self._sky_of, (frame.gpu_scene.moves, self.sky.depth, self.sky.ids, ids, views)
+        return before == self._sky_of

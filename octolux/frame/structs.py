@@ -26,6 +26,8 @@ VPL = Struct("Vpl", position="vec3f", normal="u32", flux="vec3f", padding="f32")
 # cover the sphere at the size of those at the horizon.
 ENVIRONMENT = Struct("EnvironmentSettings", radiance="vec3f", turn="f32", levels="f32", texels="f32")
 # exposure: from nits to the picture's unit. weight: of this sample in the mean of the pixel's samples.
+# Where a set of shadow maps begins among the views, and its VPLs in their buffer.
+RSM_SET = Struct("RsmSet", first_view="u32", first_vpl="u32")
 COMPOSITE = Struct("CompositeSettings", exposure="f32", weight="f32")
 
 # Views and lights are uniform arrays of fixed length: a software adapter reads those several times faster than storage.

@@ -29,6 +29,7 @@ class GpuScene:
     def __init__(self, device: Device):
         self.device = device
         self.version = 0
+        self.moves = 0  # grows with every change of what is drawn
         self.geometry, self.materials = GeometryBuffers(device), MaterialTable(device)
         self._placed = InstanceTable(device)
         self._instances: tuple | None = None
@@ -47,6 +48,7 @@ class GpuScene:
         instances = tuple(scene.instances)
         moved = self._instances is None or not _same(instances, self._instances)
         if materials_changed or meshes_changed or moved:
+            self.moves += 1
             self._placed.sync(scene.instances, self.geometry.slots, self.materials.bucket)
             self._instances = instances
 

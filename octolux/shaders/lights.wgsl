@@ -1,6 +1,6 @@
-// Lights and their shadow maps. Lights lie in the order directional, sky, spot, point, and so do their views: one each, six
-// for a point light. View 0 is the camera; the shadow map of view i is layer i - 1.
-// With `shadows` it needs views, shadow_maps and shadow_sampler.
+// Lights and their shadow maps. Lights lie in the order directional, spot, point, sky, and so do their views: one each, six
+// for a point light. View 0 is the camera; the shadow map of view i is layer i - 1, the sky's are an array of their own.
+// With `shadows` it needs views, shadow_maps and shadow_sampler; with `sky` also sky_maps.
 
 // Illuminance on a plane that faces the light (lux).
 fn directional_illuminance(light: Light) -> vec3f { return light.color; }
@@ -28,7 +28,8 @@ fn cube_face(d: vec3f) -> u32 {
 // What is left for a normal-offset bias is the rasteriser's snapping of vertices to 1/256 texel, which tilts a plane by up
 // to sin(t) / 256 of a texel's width along the normal, and rounding. An eighth of a texel is ample; from 1/64 to 1/4 the
 // mean direct light of the Dabrovic Sponza changes by less than 1 %.
-fn lit_fraction(view_index: u32, position: vec3f, normal: vec3f, footprint: f32) -> f32 {
+{% macro lit_fraction(name, maps, first_view) %}
+fn {{ name }}(view_index: u32, position: vec3f, normal: vec3f, footprint: f32) -> f32 {
     let view = views[view_index];
     let receiver = position + normal * (0.125 * footprint);
     let clip = view.view_projection * vec4f(receiver, 1.0);
@@ -47,7 +48,7 @@ fn lit_fraction(view_index: u32, position: vec3f, normal: vec3f, footprint: f32)
     // At a map's rim the nearest texels it has, with the plane's depth there: a cube's faces meet without a seam.
     let low = clamp(floor(texel), vec2f(0.0), vec2f(view.size - 2.0));
     let weight = saturate(texel - low);
-    let nearest = textureGather(shadow_maps, shadow_sampler, (low + 1.0) / view.size, view_index - 1u);
+    let nearest = textureGather({{ maps }}, shadow_sampler, (low + 1.0) / view.size, view_index - {{ first_view }}u);
     let left_right = (low.x - texel.x + vec2f(0.0, 1.0)) * (slope.x * view.depth_scale);
     let up_down = (low.y - texel.y + vec2f(0.0, 1.0)) * (slope.y * view.depth_scale);
     // A gather's order: lower left, lower right, upper right, upper left. Reverse z: larger is nearer.
@@ -55,4 +56,9 @@ fn lit_fraction(view_index: u32, position: vec3f, normal: vec3f, footprint: f32)
     let lit = select(vec4f(0.0), vec4f(1.0), max(plane, vec4f(ndc.z)) >= nearest);
     return mix(mix(lit.w, lit.z, weight.x), mix(lit.x, lit.y, weight.x), weight.y);
 }
+{% endmacro %}
+{{ lit_fraction("lit_fraction", "shadow_maps", 1) }}
+{% if sky %}
+{{ lit_fraction("sky_fraction", "sky_maps", sky_view) }}
+{% endif %}
 {% endif %}

@@ -60,14 +60,11 @@ class UniformLpv(Technique):
             self.lookup.write_volumes(stage, self.propagation.light)
 
     def _sources(self, frame: Frame) -> list[VplSource]:
-        per_layer = frame.settings.rsm_resolution**2
-        sources = []
-        for index, flux in enumerate(frame.lights.total_flux):
-            layers = frame.lights.layers_of(index)
-            sources.append(
-                VplSource(layers[0] * per_layer, len(layers) * per_layer, flux, self._intensity_per_flux(frame, index))
-            )
-        return sources
+        ranges = zip(frame.vpl_ranges, frame.lights.total_flux, strict=True)
+        return [
+            VplSource(first, count, flux, self._intensity_per_flux(frame, index))
+            for index, ((first, count), flux) in enumerate(ranges)
+        ]
 
     def _intensity_per_flux(self, frame: Frame, index: int) -> float:
         """1/pi; in the thesis 1. There a directional light's flux is I A w with the texel weight w = texel area over
