@@ -96,9 +96,11 @@ class Mesh:
 class Instance:
     """A mesh placed in the world.
 
-    transform: float64 (4, 4), object to world, column vectors.
+    transform: float64 (4, 4), object to world, column vectors. With a skin it only says in which space the mesh's
+        vertices are kept; joints place them in the world.
     node: index into `Scene.nodes` whose place it takes when the scene moves, or None.
     skin: index into `Scene.skins`, or None.  morph_weights: one for each of the mesh's morph targets.
+    A deformable mesh belongs to one instance alone.
     """
 
     mesh: int
