@@ -55,20 +55,24 @@ fn from_sky(p: Point) -> vec3f {
     for (var i = {{ sky_first }}u; i < {{ sky_first + sky }}u; i++) {
         let light = lights[i];
         let l = -light.direction;
+        // What comes from below the surface is no loss to the lobe: its directional albedo has it already.
+        var above = 0.0;
         var lit = 0.0;
         if dot(s.geometric_normal, l) > 0.0 {
+            above = 1.0;
             lit = sky_fraction({{ sky_view - sky_first }}u + i, p.position, s.geometric_normal, light.texel);
         }
         let share = light.color * max(dot(s.normal, l), 0.0);
         all += share;
         arrived += lit * share;
-        lobe += exp(sharpness * (dot(mirrored, l) - 1.0)) * vec2f(1.0, lit);
+        // Held at -80, where float32 still has an exponential: with many lights the lobe is narrow.
+        lobe += exp(max(sharpness * (dot(mirrored, l) - 1.0), -80.0)) * vec2f(above, lit);
     }
     let irradiance = environment_irradiance_at(s.normal) * arrived / max(all, vec3f(1e-20));
     let even = even_reflection(roughness, n_v);
     let f0 = mix(vec3f({{ dielectric_f0 }} * s.specular), s.base_color, s.metallic);
     let f90 = s.specular * (1.0 - s.metallic) + s.metallic;
-    let reflected = environment_lobe(mirrored, alpha) * (lobe.y / lobe.x);
+    let reflected = environment_lobe(mirrored, alpha) * (lobe.y / max(lobe.x, 1e-37));
     let kept = 1.0 - mix(f0, vec3f(f90), even.z);
     return kept * diffuse_albedo(s) / {{ pi }} * irradiance + (f0 * even.x + f90 * even.y) * reflected;
 }
