@@ -11,7 +11,8 @@ from octolux.scene.scene import Scene
 from .lab import data
 
 SCENES = Path(__file__).parent / "scenes"
-_MODELS = {"cornell_point": "cornell-box", "sponza_sunpoint": "dabrovic-sponza", "crytek_sponza": "crytek-sponza"}
+_MODELS = {"cornell_point": "cornell-box", "sponza_sunpoint": "dabrovic-sponza", "crytek_sponza": "crytek-sponza",
+           "moving_fox": "gltf/Fox"}
 
 
 def path_of(name: str) -> Path:
