@@ -12,6 +12,8 @@ from octolux.frame.frame import COPY, RENDER, FrameSettings
 from octolux.renderer import Renderer
 from octolux.scene.builtin.shapes import box, quad
 from octolux.scene.cameras import Camera
+from octolux.scene.daylight import sun as sun_light
+from octolux.scene.daylight import to_sun
 from octolux.scene.lights import AreaLight, DirectionalLight, PointLight, SpotLight
 from octolux.scene.load import load_scene
 from octolux.scene.materials import Material
@@ -31,7 +33,9 @@ WALL = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
 
 
 def render(device, scene, technique="uniform-lpv", camera=None, size=(24, 16), **rest):
-    settings = FrameSettings(shadow_resolution=64, rsm_resolution=32)
+    """A picture without the default sun and sky, in which the surroundings are seen but light nothing."""
+    settings = FrameSettings(shadow_resolution=64, rsm_resolution=32, sky_lights=0)
+    rest = {"default_light": False, **rest}
     renderer = Renderer(scene, technique, size=size, device=device, frame_settings=settings, **rest)
     return renderer.render(camera or front_camera())
 
@@ -81,7 +85,9 @@ def test_a_camera_that_sees_nothing(device, camera):
 
 
 def test_a_scene_that_comes_and_goes(device):
-    renderer = Renderer(Scene(environment=SKY, exposure=0.0), "uniform-lpv", size=(24, 24), device=device)
+    settings = FrameSettings(shadow_resolution=64, rsm_resolution=32, sky_lights=4, sky_resolution=32)
+    renderer = Renderer(Scene(environment=SKY, exposure=0.0), "uniform-lpv", size=(24, 24), device=device,
+                        frame_settings=settings)  # fmt: skip
     assert is_background(renderer.render(front_camera()))
     renderer.scene.meshes, renderer.scene.materials = [quad(WALL)], [Material()]
     renderer.scene.instances, renderer.scene.lights = [Instance(0)], list(LIGHTS)
@@ -133,10 +139,30 @@ def test_constant_irradiance_of_each_channel(device):
     np.testing.assert_allclose(picture.radiance, np.broadcast_to(expected, picture.radiance.shape), rtol=5e-5)
 
 
-def test_what_makes_a_picture_dark_is_said(device):
+def test_what_a_picture_lacks_is_said(device):
     renderer = Renderer(scene_of([]), "none", size=(8, 8), device=device)
-    dark, empty = renderer.warnings
-    assert "no light" in dark and "no triangles" in empty
+    sunny, empty = renderer.warnings
+    assert "the sun and the sky" in sunny and "no triangles" in empty
+    renderer.default_light = False
+    assert renderer.warnings == [empty]
+
+
+def test_sun_and_sky_light_what_has_no_light(device):
+    """Sunny side up: a floor is bright where nothing shines, and black without the default light."""
+    floor = quad([(-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1)])
+    above = Camera.look_at((0.0, 3.0, 0.1), (0.0, 0.0, 0.0))
+    assert not render(device, scene_of([floor]), "none", above).layers["direct"].any()
+    picture = render(device, scene_of([floor]), "none", above, default_light=True)
+    lit = sun_light()
+    # White Lambert: E / pi from the sun alone, since sky_lights = 0; nothing stands in its way.
+    expected = np.array(lit.illuminance) * to_sun()[1] / pi
+    np.testing.assert_allclose(picture.radiance[picture.mask], np.tile(expected, (picture.mask.sum(), 1)), rtol=1e-4)
+    assert picture.radiance[~picture.mask].min() > 0
+
+
+@pytest.mark.parametrize("glowing", [Material(emissive=(1.0, 1.0, 1.0)), Material(unlit=True)], ids=["glows", "unlit"])
+def test_what_shines_needs_no_sun(device, glowing):
+    assert Renderer(scene_of([quad(WALL)], [glowing]), "none", size=(8, 8), device=device).warnings == []
 
 
 @pytest.mark.parametrize("degrees", [0.5, 2.0, 20.0])
