@@ -13,17 +13,19 @@ _REPOSITORY = Path(__file__).resolve().parents[1]
 _MINUTES = 5
 
 
-def _run(words: list[str], folder: Path | None) -> subprocess.CompletedProcess[str]:
+def _run(words: list[str], folder: Path | None, seconds: float = 60.0 * _MINUTES) -> subprocess.CompletedProcess[str]:
     found = os.pathsep.join(filter(None, [str(_REPOSITORY), os.environ.get("PYTHONPATH")]))
     environment = {**os.environ, "PYTHONPATH": found}
     return subprocess.run(
-        [sys.executable, *words], cwd=folder, env=environment, capture_output=True, text=True, timeout=60 * _MINUTES
+        [sys.executable, *words], cwd=folder, env=environment, capture_output=True, text=True, timeout=seconds
     )
 
 
-def octolux(*words: str | Path, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
-    """`octolux WORDS` in a process of its own, started in `folder`."""
-    return _run(["-c", "from octolux.cli import main; main()", *map(str, words)], folder)
+def octolux(
+    *words: str | Path, folder: Path | None = None, seconds: float = 60.0 * _MINUTES
+) -> subprocess.CompletedProcess[str]:
+    """`octolux WORDS` in a process of its own, started in `folder`; SIGKILL and TimeoutExpired after `seconds`."""
+    return _run(["-c", "from octolux.cli import main; main()", *map(str, words)], folder, seconds)
 
 
 def child(module: str, *words: str | Path) -> Any:
