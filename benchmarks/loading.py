@@ -42,4 +42,4 @@ def _register(name: str, path: Callable[[], Path], what: str) -> None:
 
 _register("load_crytek", partial(path_of, "crytek_sponza"), "Crytek Sponza, 34 textures of up to 512 pixels")
 _register("load_helmet", lambda: data("scenes", "gltf", "FlightHelmet", "FlightHelmet.gltf"),
-          "FlightHelmet, 15 textures of 2048 pixels")  # fmt: skip
+          "FlightHelmet, 15 textures of 512 pixels")  # fmt: skip

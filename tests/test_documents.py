@@ -9,6 +9,7 @@ import pytest
 
 import octolux
 from octolux.gpu.device import Device
+from octolux.scene.load import LOADERS
 from octolux.techniques import TECHNIQUES
 from octolux.techniques.document import settings_table
 
@@ -32,6 +33,12 @@ def test_links_and_named_files_exist(page):
     named = re.findall(r"`([\w./]+/[\w.]+\.(?:py|wgsl|sh|toml|md))`", text)
     missing += [name for name in named if not any((root / name).exists() for root in (ROOT, ROOT / "octolux"))]
     assert not missing
+
+
+def test_models_lists_every_extension():
+    page = (ROOT / "docs" / "models.md").read_text(encoding="utf-8")
+    rows = "".join(line.partition(" | ")[0] for line in page.splitlines() if line.startswith("| `."))
+    assert set(re.findall(r"`(\.\w+)`", rows)) == set(LOADERS) - {".toml"}
 
 
 def test_conventions_list_every_layer_and_statistic(device: Device):
