@@ -114,16 +114,11 @@ def render(
     renderer = Renderer(
         loaded, technique, settings=settings, size=plan.size, exposure=exposure, profile=True, device=Device(adapter),
         frame_settings=FrameSettings(shadow_resolution=shadow_resolution, rsm_resolution=rsm_resolution),
-        anti_aliasing=_anti_aliasing(anti_aliasing), sequence=len(plan.frames) > 1, tone_map=tone_map,
-        default_light=default_light,
+        anti_aliasing=anti_aliasing, sequence=plan.filtered, tone_map=tone_map, default_light=default_light,
     )  # fmt: skip
     for note in [*loaded.warnings, *renderer.warnings]:
         console.warn(note)
     _make(plan, Timeline(renderer, loaded, fps, first=plan.frames[0], camera=camera, clip=clip), stats)
-
-
-def _anti_aliasing(text: str) -> str | int:
-    return int(text) if text.isdecimal() and len(text) < 10 else text
 
 
 def _plan(out: list[Path], frames: str | None, fps: float, size: str, options: FileOptions, resume: bool) -> Plan:

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from .frame.anti_aliasing import MAX_SAMPLES, STILL_SAMPLES
 from .output.options import LAYERS
 from .simulator.tonemap import TONE_MAPS
 
@@ -36,8 +37,13 @@ CameraName = Annotated[str | None, _option(_VIEW, "NAME|INDEX", "The scene's cam
 Exposure = Annotated[float | None, _option(_VIEW, "EV100", "By default the scene's, or metered at the first frame.")]
 ToneMap = Annotated[str, _option(_VIEW, "NAME", f"One of {', '.join(TONE_MAPS)}.")]
 AntiAliasing = Annotated[
-    str, _option(_VIEW, "HOW", "off, fxaa, samples a pixel (1 to 256), or auto: samples for one frame, fxaa for more.")
-]
+    str,
+    _option(
+        _VIEW, "HOW",
+        f"off, fxaa, a number of samples a pixel up to {MAX_SAMPLES}, or auto: {STILL_SAMPLES} samples for a still and "
+        "for PNG with 16 bits or alpha, fxaa for other sequences.",
+    ),
+]  # fmt: skip
 
 Frames = Annotated[
     str | None, _option(_TIME, "A..B|N", "Frames A to B, or N frames from 0 on; all light is made anew in each.")

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
 from typing import Any
 
-from .scene.builtin import BUILTIN
-from .scene.scene import Scene
+from .scene.builtin import BUILTIN, description
 from .techniques import TECHNIQUES
 from .techniques.settings import allowed_text
 
@@ -55,12 +53,11 @@ def technique_lines() -> list[str]:
 
 def scene_lines() -> list[str]:
     """The built-in scenes: what they show, how large they are, what one may choose."""
-    return [line for name, make in BUILTIN.items() for line in _scene(name, make)]
+    return [line for name in BUILTIN for line in _scene(name)]
 
 
-def _scene(name: str, make: Callable[[], Scene]) -> list[str]:
-    scene = make()
+def _scene(name: str) -> list[str]:
+    scene = BUILTIN[name]()
     cameras = ", ".join(camera.name for camera in scene.cameras)
-    moves = f", moves for {scene.duration:g} s" if scene.duration else ""
-    summary = " ".join((make.__doc__ or "").split()).partition(". ")[0].removesuffix(".")
-    return [f"{name}: {summary}", f"    {scene.triangle_count} triangles, cameras {cameras}{moves}"]
+    moves = f", moves for {scene.duration:.3g} s" if scene.duration else ""
+    return [f"{name}: {description(name)}", f"    {scene.triangle_count} triangles, cameras {cameras}{moves}"]

@@ -121,6 +121,11 @@ class Plan:
         paths = [target.path for target in self.targets if target.video]
         return [path for path in paths if not (self.resume and self._video_complete(path))]
 
+    @property
+    def filtered(self) -> bool:
+        """Whether a filter on the 8-bit picture is anti-aliasing enough: for sequences without more bits or alpha."""
+        return len(self.frames) > 1 and self.options.bits == 8 and not self.options.alpha
+
     def remove_leftovers(self) -> None:
         """Delete what killed runs left in the folders that are written to."""
         for folder in {target.path.parent for target in self.targets}:

@@ -165,7 +165,7 @@ def test_techniques_are_listed_with_presets_and_settings(run):
 def test_scenes_are_listed(run):
     listed = run("scenes")
     assert listed.code == 0
-    assert "cornell-box: The box" in listed.out
+    assert "cornell-box: The classic box" in listed.out
     assert "34 triangles, cameras front" in listed.out
     assert all(name in listed.out for name in ("furnace", "atrium"))
 
