@@ -171,15 +171,17 @@ def _mean_grazing(view: np.ndarray) -> float:
 
 
 def _lobe_albedo(view: np.ndarray, alpha) -> tuple[float, float]:
-    """Factors of F0 and F90, over half vectors spaced evenly in D (n.h): narrow lobes are met as well as wide ones."""
+    """Factors of F0 and F90, over half vectors spaced in D (n.h): narrow lobes are met as well as wide ones. The cube
+    crowds them where n.h falls to 0: spaced evenly, the midpoint rule lost up to 4 % of the light at grazing angles."""
     across, around = _stratified()
-    cosine = np.sqrt((1.0 - across) / (1.0 + (alpha * alpha - 1.0) * across))
+    rest, weight = (1.0 - across) ** 3, 3.0 * (1.0 - across) ** 2
+    cosine = np.sqrt(rest / (1.0 + (alpha * alpha - 1.0) * (1.0 - rest)))
     sine = np.sqrt(1.0 - cosine * cosine)
     v_dot_h = sine * np.cos(around) * view[0] + cosine * view[2]
     n_dot_l = 2.0 * v_dot_h * cosine - view[2]
     lit = (n_dot_l > 0) & (v_dot_h > 0)
     # D V n.l dl / (D n.h dh), where dl = 4 v.h dh
     value = smith_visibility(np.maximum(n_dot_l, 0), view[2], alpha) * n_dot_l * 4.0 * v_dot_h / cosine
-    value = np.where(lit, value, 0.0)
+    value = np.where(lit, value * weight, 0.0)
     grazing = (1.0 - np.clip(v_dot_h, 0.0, 1.0)) ** 5
     return float((value * (1.0 - grazing)).mean()), float((value * grazing).mean())
