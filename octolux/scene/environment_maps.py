@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -45,15 +48,34 @@ def _exr(path: Path) -> np.ndarray:
     with path.open("rb"):
         pass  # OpenEXR's own error does not say why a file cannot be opened
     try:
-        header = OpenEXR.File(str(path), header_only=True).header()
+        with _quiet():
+            header = OpenEXR.File(str(path), header_only=True).header()
         low, high = (np.asarray(corner, np.int64) for corner in header["dataWindow"])
         width, height = (high - low + 1).tolist()
         if not 0 < width * height <= MOST_PIXELS:
             raise HdrFault(f"has {width} x {height} pixels, of at most {MOST_PIXELS}")
-        channels = OpenEXR.File(str(path), separate_channels=True).channels()
+        with _quiet():
+            channels = OpenEXR.File(str(path), separate_channels=True).channels()
     except (RuntimeError, ValueError, KeyError, TypeError, MemoryError) as error:
         raise error if isinstance(error, HdrFault) else HdrFault("it is no readable OpenEXR file") from error
     return _joined(channels)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Without standard error, on which OpenEXR prints its own account of what then becomes one error of ours."""
+    try:
+        kept, nothing = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    except OSError:  # a program without standard error
+        yield
+        return
+    try:
+        os.dup2(nothing, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nothing)
 
 
 def _joined(channels: dict[str, Any]) -> np.ndarray:

@@ -134,6 +134,17 @@ def test_eight_bit_pictures_are_srgb(picture):
     np.testing.assert_allclose(found[0, 0], [float(srgb_decode(np.array(188 / 255))) * 100, 0, 100], rtol=1e-6)
 
 
+def test_a_damaged_exr_prints_nothing_beside_the_error(tmp_path, capfd):
+    pixels = np.random.default_rng(0).uniform(0, 1, (32, 64, 3)).astype(np.float16)
+    OpenEXR.File({}, {"RGB": pixels}).write(str(tmp_path / "a.exr"))
+    whole = bytearray((tmp_path / "a.exr").read_bytes())
+    whole[len(whole) // 2 : len(whole) // 2 + 8] = bytes(8)
+    (tmp_path / "a.exr").write_bytes(whole)
+    with pytest.raises(SceneError, match="cannot be read"):
+        load(tmp_path / "a.exr")
+    assert capfd.readouterr() == ("", "")
+
+
 def test_broken_and_missing_files(tmp_path):
     OpenEXR.File({}, {"Z": np.ones((2, 2), np.float32)}).write(str(tmp_path / "depth.exr"))
     whole = (tmp_path / "depth.exr").read_bytes()
