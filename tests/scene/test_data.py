@@ -66,23 +66,47 @@ def test_cornell_box_materials(scenes):
     np.testing.assert_allclose(lamps[0].normals, np.broadcast_to((0, -1, 0), lamps[0].normals.shape), atol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("file", "triangles", "meshes", "materials"),
-    [
-        ("cornell-box/bevy-CornellBox.glb", 36, 6, 5),
-        ("cornell-box/kajiya-gltf/scene.gltf", 32, 8, 8),
-        ("gltf/FlightHelmet/FlightHelmet.gltf", 94_722, 6, 6),
-        ("gltf/MixedLightingExample/MixedLightingExample.gltf", 40_898, 6, 8),
-        ("gltf/01_alpha_mask/01_alpha_mask.gltf", 2, 1, 1),
-        ("gltf/14_emission_strength/14_emission_strength.gltf", 17_280, 18, 18),
-        ("gltf/23_sparse_multi_prim/23_multi_prim_vertex_attribute.gltf", 6, 2, 2),
-        ("gltf/Fox/Fox.glb", 576, 1, 1),
-    ],
-)
-def test_gltf_models(scenes, file, triangles, meshes, materials):
+GLTF = {  # triangles, meshes, materials, images that materials use
+    "cornell-box/bevy-CornellBox.glb": (36, 6, 5, 0),
+    "cornell-box/kajiya-gltf/scene.gltf": (32, 8, 8, 0),
+    "gltf/01_alpha_mask/01_alpha_mask.gltf": (2, 1, 1, 1),
+    "gltf/14_emission_strength/14_emission_strength.gltf": (17_280, 18, 18, 1),
+    "gltf/23_sparse_multi_prim/23_multi_prim_vertex_attribute.gltf": (6, 2, 2, 0),
+    "gltf/Draco-2CylinderEngine/2CylinderEngine.gltf": (110_336, 34, 34, 0),
+    "gltf/FlightHelmet/FlightHelmet.gltf": (94_722, 6, 6, 15),
+    "gltf/Fox/Fox.glb": (576, 1, 1, 1),
+    "gltf/MixedLightingExample/MixedLightingExample.gltf": (40_898, 6, 8, 7),
+    "gltf/pirate-meshopt/pirate.glb": (5_010, 1, 1, 0),
+}
+
+
+def test_every_gltf_model_is_listed(scenes):
+    folders = (scenes / "gltf", scenes / "cornell-box")
+    found = {str(p.relative_to(scenes)) for f in folders for p in f.rglob("*") if p.suffix in (".gltf", ".glb")}
+    assert found == set(GLTF)
+
+
+@pytest.mark.parametrize(("file", "expected"), GLTF.items())
+def test_gltf_models(scenes, file, expected):
     scene = load_gltf(scenes / file)
-    assert (scene.triangle_count, len(scene.meshes), len(scene.materials)) == (triangles, meshes, materials)
+    slots = ("base_color_texture", "metallic_roughness_texture", "normal_texture", "emissive_texture")
+    textures = [getattr(material, slot) for material in scene.materials for slot in slots]
+    images = {id(texture.image) for texture in textures if texture}
+    assert (scene.triangle_count, len(scene.meshes), len(scene.materials), len(images)) == expected
     check_vectors(scene)
+    named = ("KHR_materials_sheen", "KHR_materials_variants") if "MixedLighting" in file else ()
+    assert scene.warnings == [f"extension {name} is not supported; what it says is left out" for name in named]
+
+
+def test_compressed_models_have_the_extent_that_their_accessors_say(scenes):
+    """Accessors repeat the least and the greatest position of the model before it was compressed."""
+    engine = load_gltf(scenes / "gltf/Draco-2CylinderEngine/2CylinderEngine.gltf")
+    first = engine.meshes[0].positions
+    # 11 bits over the longest edge of 106.6 are steps of 0.0521, by one of which the accessors' bounds are wider.
+    np.testing.assert_allclose(first.min(axis=0), (-43.1827, -37.0259, -46.5520), atol=0.053)
+    np.testing.assert_allclose(first.max(axis=0), (63.4045, 56.0884, 46.5622), atol=0.053)
+    pirate = load_gltf(scenes / "gltf/pirate-meshopt/pirate.glb").meshes[0].positions
+    assert (pirate.min(axis=0).tolist(), pirate.max(axis=0).tolist()) == ([0, 0, 0], [13081, 16383, 3915])
 
 
 def test_gltf_details(scenes):

@@ -72,7 +72,7 @@ def test_each_slot_is_read_where_its_own_transform_says(textured):
     np.testing.assert_allclose(read_at(mesh, material.base_color_texture), uvs * (4, 2) + (0.5, 0), atol=1e-6)
     np.testing.assert_allclose(read_at(mesh, material.metallic_roughness_texture), uvs, atol=1e-6)
     np.testing.assert_allclose(read_at(mesh, material.emissive_texture), uvs + 0.1, atol=1e-6)
-    # The edges of the triangle are x and y. Of M with d(uv) = M d(xy), the inverse's first column is the change along u.
+    # The triangle's edges are x and y: d(uv) = M d(xy), and the first column of M's inverse is the way u rises.
     tangent = np.linalg.inv((turned[1:] - turned[0]).T)[:, 0]
     np.testing.assert_allclose(mesh.tangents[0, :2], tangent / np.linalg.norm(tangent), atol=1e-6)
 
