@@ -14,9 +14,12 @@ from ..materials import Color, Material
 from ..meshes import Instance
 from ..scene import Environment, Scene
 from .courtyard import courtyard
-from .textures import Surface, cloth, masonry, plaster, tiles
+from .courtyard_details import courtyard_details
+from .placing import plain, textured
+from .plant_textures import twig
+from .textures import cloth, masonry, plaster, tiles
 
-SUN_DIRECTION = (0.42, -1.0, 0.50)
+SUN_DIRECTION = (0.42, -1.0, 0.40)
 SUN: Color = (66_000.0, 60_000.0, 50_000.0)
 """Lux: a clear sun, a little warm."""
 
@@ -28,12 +31,13 @@ METERED_LUMINANCE = 800.0
 
 
 def atrium() -> Scene:
-    """A courtyard of 20 x 10.8 x 8.7 m (x, z, y) open to the sky, one mesh for each named part, in world space.
+    """A courtyard of two storeys of arches and columns with curtains, banners and a fountain, open to the sky.
 
-    The sun lights the floor beside the arcade at positive z ("sun" in the names), that arcade and its curtains; the
-    other side ("shade") receives indirect light only. Cameras "hall" and "gallery"; the light "sun" moves over 10 s.
+    20 x 10.8 x 8.7 m (x, z, y), one mesh for each named part, in world space. The sun lights the floor beside the
+    arcade at positive z ("sun" in the names), that arcade and its curtains; the other side ("shade") receives indirect
+    light only. Cameras "hall" and "gallery"; the light "sun" moves over 10 s.
     """
-    meshes = list(courtyard())
+    meshes = [*courtyard(), *courtyard_details()]
     return Scene(
         name="atrium",
         meshes=meshes,
@@ -41,8 +45,8 @@ def atrium() -> Scene:
         materials=_materials(),
         lights=[DirectionalLight(direction=SUN_DIRECTION, illuminance=SUN, name="sun")],
         cameras=[
-            Camera.look_at((-9.3, 1.8, -1.0), (2.0, 3.3, 0.45), vertical_fov=radians(62), near=0.05, name="hall"),
-            Camera.look_at((-6.6, 6.35, -3.85), (-0.4, 2.8, 1.1), vertical_fov=radians(62), near=0.05, name="gallery"),
+            Camera.look_at((-9.2, 1.7, -1.3), (2.0, 3.15, 0.5), vertical_fov=radians(60), near=0.05, name="hall"),
+            Camera.look_at((-8.9, 6.2, -2.45), (0.6, 2.5, 0.75), vertical_fov=radians(60), near=0.05, name="gallery"),
         ],
         environment=Environment(SKY),
         tracks=[_sun_track()],
@@ -56,25 +60,27 @@ def _materials() -> list[Material]:
     fabrics = (("red cloth", (0.46, 0.030, 0.022)), ("green cloth", (0.045, 0.26, 0.055)),
                ("blue cloth", (0.035, 0.085, 0.38)))
     stones = [
-        _material("masonry", masonry(1, (0.52, 0.43, 0.32)), 0.9),
-        _material("floor", tiles(2, (0.56, 0.50, 0.42), (0.28, 0.16, 0.11)), 0.6),
-        _material("stone", plaster(3, (0.60, 0.54, 0.45), strength=1.2), 0.8),
-        _material("plaster", plaster(4, (0.62, 0.55, 0.45), strength=1.5), 0.9),
-        _material("wood", plaster(5, (0.16, 0.085, 0.045)), 0.7),
-        _material("clay", plaster(6, (0.42, 0.19, 0.11)), 0.9),
+        textured("masonry", masonry(1, (0.52, 0.43, 0.32)), 0.9),
+        textured("floor", tiles(2, (0.56, 0.50, 0.42), (0.28, 0.16, 0.11)), 0.4),
+        textured("stone", plaster(3, (0.60, 0.54, 0.45), strength=0.5), 0.8),
+        textured("plaster", plaster(4, (0.62, 0.55, 0.45), strength=0.8), 0.9),
+        textured("wood", plaster(5, (0.16, 0.085, 0.045)), 0.7),
+        textured("clay", plaster(6, (0.42, 0.19, 0.11), strength=1.0), 0.9),
     ]
-    cloths = [_material(name, cloth(7 + i, color, gold), 0.9, double_sided=True)
+    cloths = [textured(name, cloth(7 + i, color, gold), 0.9, double_sided=True)
               for i, (name, color) in enumerate(fabrics)]
-    return stones + cloths
-
-
-def _material(name: str, surface: Surface, roughness: float, double_sided: bool = False) -> Material:
-    return Material(name=name, base_color_texture=surface.base_color, normal_texture=surface.normal,
-                    roughness=roughness, double_sided=double_sided)
+    others = [
+        plain("water", (0.02, 0.05, 0.055), 0.08),
+        Material(name="leaves", base_color_texture=twig(10, (0.09, 0.17, 0.04)), roughness=0.6, alpha_mode="mask",
+                 double_sided=True),
+        plain("iron", (0.05, 0.05, 0.055), 0.5),
+    ]
+    return stones + cloths + others
 
 
 def _sun_track() -> Track:
-    """From the still picture's direction back to the morning and over noon to the afternoon."""
-    directions = [SUN_DIRECTION, (0.06, -1.0, 0.68), (-0.30, -1.0, 0.85), (0.62, -1.0, 0.20), (0.70, -1.0, -0.25)]
-    return Track(target="light", name="sun", property="direction", times=np.array([0.0, 2.5, 5.0, 7.5, 10.0]),
+    """From the still picture's direction on into the afternoon, back over noon to the morning, and to the start."""
+    directions = [SUN_DIRECTION, (0.06, -1.0, 0.62), (-0.30, -1.0, 0.80), (0.06, -1.0, 0.62), SUN_DIRECTION,
+                  (0.62, -1.0, 0.15), (0.70, -1.0, -0.25), (0.62, -1.0, 0.15), SUN_DIRECTION]
+    return Track(target="light", name="sun", property="direction", times=np.linspace(0.0, 10.0, 9),
                  values=np.array(directions))

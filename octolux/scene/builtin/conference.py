@@ -20,7 +20,8 @@ from .round_shapes import cylinder, plate, rounded_path, rounded_rectangle, tube
 from .shapes import box, merge, quad
 from .textures import carpet, plaster, tiles
 
-WALL, ACCENT, CARPET, CEILING, TABLE, CLOTH, STEEL, BLACK, WHITE, PAPER, PANEL, SCREEN, OAK, CANVAS, ORANGE, GREY = range(16)
+WALL, ACCENT, CARPET, CEILING, TABLE, CLOTH, STEEL, BLACK = range(8)
+WHITE, PAPER, PANEL, SCREEN, OAK, CANVAS, ORANGE, GREY = range(8, 16)
 
 X, Z, HEIGHT, WALL_THICK = 4.5, 3.0, 2.8, 0.25
 """The room reaches from -X to X and from -Z to Z; walls and slabs stand outside of that."""
@@ -102,19 +103,21 @@ def _materials() -> list[Material]:
 def _shell() -> list[Mesh]:
     """Slabs and walls with their thickness outside of the room, so that the sun enters through the windows alone."""
     t, x, z = WALL_THICK, X + WALL_THICK, Z + WALL_THICK
-    wall = {"tile": 2.0}
-    below = box((-x, 0.0, -z), (x, SILL, -Z), material=WALL, **wall)
-    above = box((-x, HEAD, -z), (x, HEIGHT, -Z), material=WALL, **wall)
+
+    def wall(low, high, name: str = "", material: int = WALL) -> Mesh:
+        return box(low, high, tile=2.0, material=material, name=name)
+
     edges = [-x, *[w + side * WINDOW / 2.0 for w in WINDOWS for side in (-1, 1)], x]
-    piers = [box((a, SILL, -z), (b, HEAD, -Z), material=WALL, **wall) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    front = [wall((a, SILL, -z), (b, HEAD, -Z)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    front += [wall((-x, 0.0, -z), (x, SILL, -Z)), wall((-x, HEAD, -z), (x, HEIGHT, -Z))]
     boards = [((-X, Z), (-X, -Z)), ((-X, -Z), (X, -Z)), ((X, -Z), (X, Z)), ((X, Z), (-2.65, Z))]
     return [
         box((-x, -t, -z), (x, 0.0, z), tile=0.5, material=CARPET, name="floor"),
         box((-x, HEIGHT, -z), (x, HEIGHT + t, z), tile=1.2, material=CEILING, name="ceiling"),
-        merge([below, above, *piers], "window wall"),
-        box((-x, 0.0, Z), (x, HEIGHT, z), material=WALL, name="door wall", **wall),
-        box((-x, 0.0, -Z), (-X, HEIGHT, Z), material=WALL, name="west wall", **wall),
-        box((X, 0.0, -Z), (x, HEIGHT, Z), material=ACCENT, name="screen wall", **wall),
+        merge(front, "window wall"),
+        wall((-x, 0.0, Z), (x, HEIGHT, z), "door wall"),
+        wall((-x, 0.0, -Z), (-X, HEIGHT, Z), "west wall"),
+        wall((X, 0.0, -Z), (x, HEIGHT, Z), "screen wall", ACCENT),
         skirting(boards, material=WHITE),
     ]
 
@@ -162,7 +165,7 @@ def _table() -> list[Mesh]:
                 material=TABLE, name="table top")
     pedestals = []
     for x in (-1.55, 1.55):
-        foot = plate(rounded_rectangle(0.5, 0.9, 0.08) + [x, 0.0], 0.0, 0.025, material=GREY)
+        foot = plate(rounded_rectangle(0.5, 0.9, 0.08, centre=(x, 0.0)), 0.0, 0.025, material=GREY)
         pedestals += [foot, box((x - 0.09, 0.025, -0.25), (x + 0.09, TABLE_HEIGHT - 0.035, 0.25), material=GREY)]
     tray = [box((-1.46, 0.56, -0.1), (1.46, 0.565, 0.1), material=BLACK),
             box((-1.46, 0.565, -0.1), (1.46, 0.61, -0.095), material=BLACK),
@@ -200,7 +203,7 @@ def _under_the_table(parts: Parts) -> None:
     """Cables from the tray to a socket in the floor, a power strip, a waste basket, a bag, and the robot."""
     parts.add(box((-0.09, 0.0, -0.09), (0.09, 0.035, 0.09), material=STEEL, name="floor socket"))
     cables = []
-    for i, (x, z) in enumerate(((-0.05, -0.04), (0.0, 0.05), (0.05, -0.02), (0.03, 0.03))):
+    for i, (x, z) in enumerate(((-0.05, -0.04), (-0.03, 0.05), (0.05, -0.02), (0.03, 0.03))):
         end = (x * 9.0, 0.572, z)
         path = [(x, 0.03, z), (x * 1.2, 0.16 + 0.03 * i, z * 1.8), (x * 2.0, 0.40, z * 1.2), (x * 5.0, 0.60, z), end]
         cables.append(tube(rounded_path(path, 3), 0.006, sides=6, material=BLACK))
@@ -208,7 +211,8 @@ def _under_the_table(parts: Parts) -> None:
              (0.50, 0.006, 0.60), (0.30, 0.006, 0.585)]
     cables.append(tube(rounded_path(loose, 3), 0.006, sides=6, material=WHITE))
     parts.add(merge(cables[:-1], "cables"), merge(cables[-1:], "loose cable"))
-    strip = plate(rounded_rectangle(0.36, 0.06, 0.015) + [0.13, 0.585], 0.0, 0.04, material=WHITE, name="power strip")
+    outline = rounded_rectangle(0.36, 0.06, 0.015, centre=(0.13, 0.585))
+    strip = plate(outline, 0.0, 0.04, material=WHITE, name="power strip")
     sockets = [box((x - 0.02, 0.04, 0.565), (x + 0.02, 0.043, 0.605), material=BLACK) for x in (0.02, 0.09, 0.16, 0.23)]
     parts.add(strip, merge(sockets, "power strip sockets"))
     parts.place([basket(0.34, material=BLACK)], {"table": placed(-1.0, 0.0, 0.42), "corner": placed(4.15, 0.0, 2.65)})

@@ -25,8 +25,11 @@ METERED_LUMINANCE = 4.0
 
 
 def cornell_box() -> Scene:
-    """The box (x from -1 to 1, y from 0 to 2, z from -1 to 1, open towards +z), a short and a tall block, all
-    Lambertian; a point light "lamp" of 60 cd that travels around in 8 s; a camera "front"."""
+    """The classic box with a red and a green wall and two blocks, all Lambertian, lit by a lamp that travels around.
+
+    x from -1 to 1, y from 0 to 2, z from -1 to 1, open towards +z. A point light "lamp" of 60 cd, once around in 8 s;
+    a camera "front".
+    """
     blocks = [_block((0.33, 0.0, 0.35), 0.58, 0.60, -17.0), _block((-0.34, 0.0, -0.30), 0.60, 1.20, 16.5)]
     return Scene(
         name="cornell-box",

@@ -29,14 +29,14 @@ SIDE, END, TURN, HEIGHT = 1.825, 2.6, 4.2, 2.5
 EDGE = -2.4
 """z of the thin wall's free edge."""
 
-RAIL_LUMEN, BEND_LUMEN = 1200.0, 2500.0
-"""A bulb of 10 W (LED), and a spotlight of 25 W."""
-RAIL_CONE, BEND_CONE = (radians(30.0), radians(75.0)), (radians(12.0), radians(34.0))
+RAIL_LUMEN, BEND_LUMEN = 1200.0, 1500.0
+"""A bulb of 10 W (LED), and a spotlight of 15 W."""
+RAIL_CONE, BEND_CONE = (radians(30.0), radians(75.0)), (radians(12.0), radians(45.0))
 """Inner and outer half-angles."""
 DROP = 0.38
 """How far the lamps hang from the ceiling; their light starts 2 cm below the shade's edge."""
 RAIL_LAMP = (-0.93, HEIGHT - DROP - 0.02, 1.0)
-BEND_LAMP, BEND_AIM = (-1.45, 2.25, -1.5), (2.4, -0.95, -2.7)
+BEND_LAMP, BEND_AIM = (-1.45, 2.25, -1.5), (2.4, -1.1, -2.7)
 """The second lamp and where it shines to: past the thin wall's edge on the back of the bend."""
 
 METERED_LUMINANCE = 3.0

@@ -14,7 +14,7 @@ from ..meshes import Mesh
 from .architecture import arched_wall, archivolt, balustrade, column, curtain, moved
 from .shapes import box, extrude, merge, quad, revolve
 
-MASONRY, FLOOR, STONE, PLASTER, WOOD, CLAY, RED, GREEN, BLUE = range(9)
+MASONRY, FLOOR, STONE, PLASTER, WOOD, CLAY, RED, GREEN, BLUE, WATER, LEAF, IRON = range(12)
 
 HALF_LENGTH, HALF_WIDTH, OUTER = 10.0, 3.0, 5.4
 BAYS, BAY = 8, 2.5

@@ -1,4 +1,4 @@
-"""A garden in the sun: a tree, shrubs and a lattice fence, whose alpha-masked leaves and laths throw patterns of shade."""
+"""A garden in the sun, whose alpha-masked leaves and laths throw patterns of shade."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ SUN: Color = (66_000.0, 60_000.0, 50_000.0)
 SKY: Color = (2_600.0, 3_600.0, 5_400.0)
 """Nits: a clear blue sky."""
 
-METERED_LUMINANCE = 1600.0
+METERED_LUMINANCE = 1300.0
 
 
 def foliage() -> Scene:
@@ -60,7 +60,7 @@ def foliage() -> Scene:
         materials=_materials(),
         lights=[DirectionalLight(direction=SUN_DIRECTION, illuminance=SUN, name="sun")],
         cameras=[
-            Camera.look_at((-2.3, 1.75, 7.2), (0.0, 1.85, -1.0), vertical_fov=radians(46), name="garden"),
+            Camera.look_at((-2.2, 1.7, 6.4), (0.1, 1.95, -1.0), vertical_fov=radians(52), name="garden"),
             Camera.look_at((2.9, 1.6, 2.2), (0.7, 1.15, -3.0), vertical_fov=radians(50), name="wall"),
             Camera.look_at((-1.5, 1.45, 4.6), (-4.3, 0.7, -0.4), vertical_fov=radians(52), name="fence"),
         ],

@@ -15,8 +15,11 @@ EMISSION = 1.0
 
 
 def furnace() -> Scene:
-    """A closed cube of 2 m seen from inside, albedo a = 0.5, emission e = 1 nit: radiance e / (1 - a) = 2 nits
-    everywhere, of which half is emitted and half is indirect light."""
+    """A closed cube of 2 m that glows, seen from inside, for checks: its exact radiance is 2 nits everywhere.
+
+    Albedo a = 0.5, emission e = 1 nit: radiance e / (1 - a) = 2 nits, of which half is emitted and half is indirect
+    light. Camera "inside".
+    """
     return Scene(
         name="furnace",
         meshes=[box((-1.0, -1.0, -1.0), (1.0, 1.0, 1.0), inward=True, name="walls")],

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..meshes import Mesh
 from .placing import tilted, transformed
-from .round_shapes import cylinder, plate, polygon, rounded_path, rounded_rectangle, sphere, tube
+from .round_shapes import plate, polygon, rounded_path, rounded_rectangle, sphere, tube
 from .shapes import box, merge, quads, revolve
 
 

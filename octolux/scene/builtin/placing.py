@@ -44,7 +44,7 @@ def placed(x: float, y: float, z: float, degrees: float = 0.0, scale: float = 1.
 
 
 def transformed(mesh: Mesh, matrix: np.ndarray, name: str | None = None) -> Mesh:
-    """The mesh in the coordinates to which `matrix` (4, 4) leads; it turns, moves and scales alike in all directions."""
+    """The mesh moved by `matrix` (4, 4), which turns, moves and scales alike in all directions."""
     turn = matrix[:3, :3] / np.cbrt(np.linalg.det(matrix[:3, :3]))
     tangents = np.concatenate([mesh.tangents[:, :3] @ turn.T, mesh.tangents[:, 3:]], axis=1)
     return replace(

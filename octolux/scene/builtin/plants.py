@@ -8,6 +8,8 @@ from ..meshes import Mesh
 from .round_shapes import rounded_path, tube
 from .shapes import box, merge, quads
 
+UP = np.array([0.0, 1.0, 0.0])
+
 
 def twigs(feet, directions, lengths, rng: np.random.Generator, *, material: int = 0, name: str = "") -> Mesh:
     """One square quadrilateral for each twig, turned about its own axis by chance.
@@ -45,16 +47,16 @@ def tree(seed: int, *, bark: int, leaf: int) -> list[Mesh]:
     for number, bough in enumerate(boughs):
         path = rounded_path(bough)
         thick = 0.085 if number == 0 else 0.05
-        wood.append(tube(path, np.linspace(thick, 0.4 * thick, len(path)), sides=8, material=bark))
+        wood.append(tube(path, np.linspace(thick, 0.2 * thick, len(path)), sides=8, material=bark))
         for _ in range(8):
             share = rng.uniform(0.3, 1.0)
             foot = path[int(share * (len(path) - 1))]
-            branch = foot + np.linspace(0.0, 1.0, 3)[:, None] * (rng.normal(0.0, 0.42, 3) + (0.0, 0.3, 0.0))
+            branch = foot + np.linspace(0.0, 1.0, 3)[:, None] * (rng.normal(0.0, 0.42, 3) + 0.3 * UP)
             wood.append(tube(branch, np.linspace(0.018, 0.006, 3), sides=5, material=bark))
             feet.append(branch[-1] + (branch[0] - branch[-1]) * rng.random((62, 1)) + rng.normal(0.0, 0.11, (62, 3)))
-            directions.append(rng.normal(0.0, 1.0, (62, 3)) + (0.0, 0.25, 0.0))
+            directions.append(rng.normal(0.0, 1.0, (62, 3)) + 0.25 * UP)
     count = sum(map(len, feet))
-    leaves = twigs(np.concatenate(feet), np.concatenate(directions), rng.uniform(0.16, 0.27, count), rng,
+    leaves = twigs(np.concatenate(feet), np.concatenate(directions), rng.uniform(0.19, 0.33, count), rng,
                    material=leaf, name="leaves")
     return [merge(wood, "wood"), leaves]
 
@@ -67,7 +69,7 @@ def shrub(seed: int, count: int, radius: float, *, bark: int, leaf: int) -> list
     middle = np.array([0.0, 0.95 * radius, 0.0])
     feet = middle + outwards * radius * rng.uniform(0.45, 0.85, (count, 1)) * (1.0, 0.9, 1.0)
     feet[:, 1] = np.maximum(feet[:, 1], 0.03)
-    directions = outwards + rng.normal(0.0, 0.45, (count, 3)) + (0.0, 0.35, 0.0)
+    directions = outwards + rng.normal(0.0, 0.45, (count, 3)) + 0.35 * UP
     stems = [tube([(0.0, -0.05, 0.0), middle * 0.6 + 0.2 * radius * out, middle + 0.7 * radius * out], 0.012, sides=5,
                   material=bark) for out in outwards[:14] * (1.0, 0.3, 1.0)]
     leaves = twigs(feet, directions, rng.uniform(0.16, 0.26, count), rng, material=leaf, name="leaves")
@@ -89,7 +91,7 @@ def hedge(
     inside = (rng.random((count, 3)) - 0.5) * size
     feet = np.where(out != 0.0, out * (size / 2.0 - rng.uniform(0.05, 0.14, (count, 1))), inside)
     feet[:, 1] += height / 2.0
-    directions = out + rng.normal(0.0, 0.6, (count, 3)) + (0.0, 0.3, 0.0)
+    directions = out + rng.normal(0.0, 0.6, (count, 3)) + 0.3 * UP
     half = size / 2.0 - 0.12
     return [
         box((-half[0], 0.0, -half[2]), (half[0], height - 0.12, half[2]), material=core, name="core"),

@@ -37,7 +37,8 @@ def cylinder(radius: float, height: float, *, segments: int = 24, material: int 
     angle = np.arange(segments) * 2.0 * np.pi / segments
     ring = np.stack([radius * np.sin(angle), np.zeros(segments), radius * np.cos(angle)], axis=1)
     side = revolve([(radius, 0.0), (radius, height)], segments=segments, material=material)
-    caps = [polygon(ring + [0.0, height, 0.0], material=material), polygon(ring[::-1], material=material)]
+    top = ring + np.array([0.0, height, 0.0])
+    caps = [polygon(top, material=material), polygon(ring[::-1], material=material)]
     return merge([side, *caps], name)
 
 
@@ -93,15 +94,16 @@ def plate(outline, low: float, high: float, *, tile: float = 1.0, material: int 
     return merge([quads(sides, tile=tile, material=material), *faces], name)
 
 
-def rounded_rectangle(width: float, depth: float, radius: float, segments: int = 6) -> np.ndarray:
-    """Outline for `plate` about the origin: `width` in x, `depth` in z, corners of `radius`; (4 segments + 4, 2)."""
+def rounded_rectangle(
+    width: float, depth: float, radius: float, segments: int = 6, *, centre: tuple[float, float] = (0.0, 0.0)
+) -> np.ndarray:
+    """Outline for `plate` about `centre`: `width` in x, `depth` in z, corners of `radius`: (4 segments + 4, 2)."""
     turn = np.linspace(0.0, np.pi / 2.0, segments + 1)
     angle = (np.arange(4)[:, None] * np.pi / 2.0 + turn).ravel()
     side_x, side_z = np.repeat([[1, -1, -1, 1], [-1, -1, 1, 1]], segments + 1, axis=1)
-    return np.stack(
-        [side_x * (width / 2.0 - radius) + radius * np.cos(angle),
-         side_z * (depth / 2.0 - radius) - radius * np.sin(angle)], axis=1,
-    )  # fmt: skip
+    x = centre[0] + side_x * (width / 2.0 - radius) + radius * np.cos(angle)
+    z = centre[1] + side_z * (depth / 2.0 - radius) - radius * np.sin(angle)
+    return np.stack([x, z], axis=1)
 
 
 def _across(along: np.ndarray) -> np.ndarray:

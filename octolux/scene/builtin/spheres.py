@@ -48,7 +48,7 @@ SUN: Color = (66_000.0, 60_000.0, 50_000.0)
 SKY: Color = (2_600.0, 3_600.0, 5_400.0)
 """Nits: a clear blue sky."""
 
-METERED_LUMINANCE = 2200.0
+METERED_LUMINANCE = 1600.0
 
 
 def spheres() -> Scene:
@@ -111,7 +111,7 @@ def _court() -> list[Mesh]:
 
 def _balls() -> list[Mesh]:
     ball = sphere(RADIUS)
-    meshes = []
+    meshes: list[Mesh] = []
     for row, kind in enumerate(ROWS):
         for column, roughness in enumerate(ROUGHNESS):
             x, y = (column - (len(ROUGHNESS) - 1) / 2.0) * SPACING, row * RISE + RADIUS

@@ -133,11 +133,13 @@ def _bookshelf() -> list[Mesh]:
 
 def _sofa() -> list[Mesh]:
     """A sofa for two with its back at z = 0."""
-    frame = [plate(rounded_rectangle(1.7, 0.8, 0.06) + [0.0, 0.42], 0.06, 0.30, material=BLUE),
-             plate(rounded_rectangle(1.7, 0.2, 0.06) + [0.0, 0.12], 0.30, 0.78, material=BLUE)]
-    frame += [plate(rounded_rectangle(0.16, 0.8, 0.05) + [x, 0.42], 0.30, 0.58, material=BLUE) for x in (-0.77, 0.77)]
-    cushions = [plate(rounded_rectangle(0.68, 0.58, 0.06) + [x, 0.53], 0.30, 0.43, material=BLUE) for x in (-0.345, 0.345)]
-    feet = [plate(rounded_rectangle(0.05, 0.05, 0.01) + [x, z], 0.0, 0.06, material=OAK)
+    frame = [plate(rounded_rectangle(1.7, 0.8, 0.06, centre=(0.0, 0.42)), 0.06, 0.30, material=BLUE),
+             plate(rounded_rectangle(1.7, 0.2, 0.06, centre=(0.0, 0.12)), 0.30, 0.78, material=BLUE)]
+    frame += [plate(rounded_rectangle(0.16, 0.8, 0.05, centre=(x, 0.42)), 0.30, 0.58, material=BLUE)
+              for x in (-0.77, 0.77)]
+    cushions = [plate(rounded_rectangle(0.68, 0.58, 0.06, centre=(x, 0.53)), 0.30, 0.43, material=BLUE)
+                for x in (-0.345, 0.345)]
+    feet = [plate(rounded_rectangle(0.05, 0.05, 0.01, centre=(x, z)), 0.0, 0.06, material=OAK)
             for x in (-0.78, 0.78) for z in (0.08, 0.76)]
     return [merge(frame + cushions, "body"), merge(feet, "feet")]
 
