@@ -76,6 +76,7 @@ def render(
     preset: cli_options.Preset = "default",
     set_: cli_options.Set = [],  # noqa: B006
     default_light: cli_options.DefaultLight = True,
+    sky_lights: cli_options.SkyLights = 32,
     shadow_resolution: cli_options.ShadowResolution = 1024,
     rsm_resolution: cli_options.RsmResolution = 256,
     adapter: cli_options.Adapter = None,
@@ -113,7 +114,9 @@ def render(
         return
     renderer = Renderer(
         loaded, technique, settings=settings, size=plan.size, exposure=exposure, profile=True, device=Device(adapter),
-        frame_settings=FrameSettings(shadow_resolution=shadow_resolution, rsm_resolution=rsm_resolution),
+        frame_settings=FrameSettings(
+            shadow_resolution=shadow_resolution, rsm_resolution=rsm_resolution, sky_lights=sky_lights
+        ),
         anti_aliasing=anti_aliasing, sequence=plan.filtered, tone_map=tone_map, default_light=default_light,
     )  # fmt: skip
     for note in [*loaded.warnings, *renderer.warnings]:

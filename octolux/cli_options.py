@@ -26,6 +26,9 @@ Technique = Annotated[str, _option(_LIGHT, "NAME", "How indirect light is comput
 Preset = Annotated[str, _option(_LIGHT, "NAME", "The technique's preset.")]
 Set = Annotated[list[str], _option(_LIGHT, "KEY=VALUE", "A setting of the technique; repeat for more.", "--set")]
 DefaultLight = Annotated[bool, _option(_LIGHT, None, "Sun and sky for scenes in which nothing shines.")]
+SkyLights = Annotated[
+    int, _option(_LIGHT, "N", "Distant lights that stand for the surroundings; 0: these light nothing.", min=0, max=200)
+]
 ShadowResolution = Annotated[int, _option(_LIGHT, "N", "Texels along a shadow map's edge.", min=16, max=8192)]
 RsmResolution = Annotated[int, _option(_LIGHT, "N", "VPLs along the edge of a light's view.", min=8, max=4096)]
 Adapter = Annotated[

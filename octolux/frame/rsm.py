@@ -67,7 +67,7 @@ class RSMPass:
             raise DeviceError(
                 f"{frame.lights.main_views} views of lights with {self._edges[0]} x {self._edges[0]} VPLs each and "
                 f"{frame.lights.counts[3]} sky lights are more than the {limit // VPL.size} VPLs that fit. Use fewer "
-                "lights (a point light has six views) or a lower --rsm-resolution."
+                "lights (a point light has six views), fewer --sky-lights or a lower --rsm-resolution."
             )
         if self._buffer is None or self._buffer.size != size:
             self._buffer = self.device.buffer("VPLs", size=size)
