@@ -127,11 +127,10 @@ def _part(entry: dict[str, Any], blobs: memoryview, start: int) -> tuple[Part, i
     for name, width in entry["arrays"]:
         rows = entry["triangles" if name == "indices" else "vertices"]
         end = start + rows * width * 4
-        values = np.frombuffer(blobs[start:end], np.uint32 if name == "indices" else np.float32).reshape(rows, width)
         if name == "indices":
-            indices = values
+            indices = np.frombuffer(blobs[start:end], np.uint32).reshape(rows, width)
         else:
-            found[name] = values
+            found[name] = np.frombuffer(blobs[start:end], np.float32).reshape(rows, width)
         start = end
     if indices.size and int(indices.max()) >= entry["vertices"]:  # some of assimp's readers do not look
         raise AssimpRefusal("RuntimeError", f"a face names vertex {int(indices.max())} of {entry['vertices']}")

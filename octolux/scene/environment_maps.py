@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 from typing import Any
 
@@ -54,24 +55,29 @@ def _exr(path: Path) -> np.ndarray:
         width, height = (high - low + 1).tolist()
         if not 0 < width * height <= MOST_PIXELS:
             raise HdrFault(f"has {width} x {height} pixels, of at most {MOST_PIXELS}")
-        with _quiet():
+        with _quiet() as said:
             channels = OpenEXR.File(str(path), separate_channels=True).channels()
+        if said.getvalue():  # it prints a warning and goes on when pixels cannot be decoded
+            raise HdrFault("its pixels are damaged")
     except (RuntimeError, ValueError, KeyError, TypeError, MemoryError) as error:
         raise error if isinstance(error, HdrFault) else HdrFault("it is no readable OpenEXR file") from error
     return _joined(channels)
 
 
 @contextmanager
-def _quiet() -> Iterator[None]:
-    """Without standard error, on which OpenEXR prints its own account of what then becomes one error of ours."""
+def _quiet() -> Iterator[io.StringIO]:
+    """Keeps from the user what OpenEXR prints: to Python's standard output, which is given, and to standard error."""
+    said = io.StringIO()
     try:
         kept, nothing = os.dup(2), os.open(os.devnull, os.O_WRONLY)
     except OSError:  # a program without standard error
-        yield
+        with redirect_stdout(said):
+            yield said
         return
     try:
         os.dup2(nothing, 2)
-        yield
+        with redirect_stdout(said):
+            yield said
     finally:
         os.dup2(kept, 2)
         os.close(kept)

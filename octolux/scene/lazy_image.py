@@ -24,13 +24,13 @@ class LazyImage(Image):
             object.__setattr__(self, attribute, value)
 
     @cached_property
-    def pixels(self) -> np.ndarray:  # type: ignore[override]
-        return self._make()  # type: ignore[attr-defined,no-any-return]
+    def pixels(self) -> np.ndarray:
+        return self._make()  # type: ignore[attr-defined]
 
     @property
     def size(self) -> tuple[int, int]:
-        return self._size  # type: ignore[attr-defined,no-any-return]
+        return self._size  # type: ignore[attr-defined]
 
     @property
     def key(self) -> str:
-        return self._key  # type: ignore[attr-defined,no-any-return]
+        return self._key  # type: ignore[attr-defined]
