@@ -17,6 +17,7 @@ _REMEDY = "export the model again, or without Draco compression"
 _MAGIC, _VERSION = b"DRACO", (2, 2)  # the one version that the extension allows
 _MESH, _SEQUENTIAL, _EDGEBREAKER = 1, 0, 1
 _METADATA = 0x80  # of the flags' upper byte
+_TRIANGLES = 4  # the primitive's mode
 _TRIANGLE_BYTES, _ATTRIBUTE_BYTES = 3 * 4, 4 * 4  # when decoded: three uint32; at most four float32
 
 
@@ -28,6 +29,8 @@ def decompressed(primitive: Fields, accessors: Accessors) -> Accessors:
     extension = primitive.extension(_NAME)
     if extension is None:
         return accessors
+    if primitive.integer("mode", _TRIANGLES) != _TRIANGLES:  # the extension allows strips too; no exporter writes them
+        raise primitive.error("strips of triangles with Draco compression are not read", _REMEDY)
     mesh = _decode(extension, primitive, accessors)
     stored = {attribute["unique_id"]: attribute["data"] for attribute in mesh.attributes}
     attributes = primitive.child("attributes") or primitive
@@ -37,9 +40,7 @@ def decompressed(primitive: Fields, accessors: Accessors) -> Accessors:
         if identifier not in stored:
             raise extension.error(f"{key} is attribute {identifier}, the Draco data has {sorted(stored)}", _REMEDY)
         decoded[index] = np.asarray(stored[identifier])
-    triangles = primitive.index("indices", len(accessors), "accessor")
-    if triangles is not None:
-        decoded[triangles] = np.asarray(mesh.faces).reshape(-1, 1)
+    decoded[_indices(primitive, accessors)] = np.asarray(mesh.faces).reshape(-1, 1)
     return accessors.with_decoded(decoded)
 
 
@@ -59,7 +60,8 @@ def _decode(extension: Fields, primitive: Fields, accessors: Accessors) -> Draco
     if faces > triangles or (points or 0) > vertices:
         problem = f"its Draco data has {faces} triangles and {points or '?'} vertices"
         raise extension.error(f"{problem}, the accessors have room for {triangles} and {vertices}", _REMEDY)
-    accessors.budget.take(extension, faces * _TRIANGLE_BYTES + vertices * _ATTRIBUTE_BYTES * len(extension.values))
+    attribute_bytes = vertices * _ATTRIBUTE_BYTES * len(_identifiers(extension))
+    accessors.budget.take(extension, faces * _TRIANGLE_BYTES + attribute_bytes)
     try:
         mesh = DracoPy.decode(data)
     except Exception as error:  # the library raises kinds of its own, without a common one
@@ -75,10 +77,11 @@ def _announced(primitive: Fields, accessors: Accessors) -> tuple[int, int]:
     vertices = accessors.element_count(
         require(attributes, attributes.index("POSITION", len(accessors), "accessor"), "POSITION")
     )
-    index = primitive.index("indices", len(accessors), "accessor")
-    corners = vertices if index is None else accessors.element_count(index)
-    strip = primitive.integer("mode", 4) == 5
-    return corners - 2 if strip else corners // 3, vertices
+    return accessors.element_count(_indices(primitive, accessors)) // 3, vertices
+
+
+def _indices(primitive: Fields, accessors: Accessors) -> int:
+    return require(primitive, primitive.index("indices", len(accessors), "accessor"), "indices")
 
 
 def _counts(extension: Fields, data: bytes) -> tuple[int, int | None]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import struct
+import subprocess
+import sys
 from pathlib import Path
 
 import DracoPy
@@ -86,6 +88,18 @@ def test_draco(gltf, draco):
     np.testing.assert_allclose(mesh.uvs, mesh.positions[:, :2] / 8, atol=1e-3)
 
 
+@pytest.mark.parametrize("options", [{"preserve_order": True}, {"preserve_order": False, "create_metadata": True}])
+def test_draco_in_sequence_and_with_metadata(gltf, draco, options):
+    data = DracoPy.encode(POSITIONS, TRIANGLES, quantization_bits=14, tex_coord=UVS.astype(float), **options)
+    assert (data[8], data[10] >> 7) == (not options["preserve_order"], options.get("create_metadata", False))
+    gltf.data, gltf.json["bufferViews"] = b"", []
+    gltf.view(np.frombuffer(data, np.uint8))
+    count = len(DracoPy.decode(data).points)
+    gltf.json["accessors"][0]["count"] = gltf.json["accessors"][1]["count"] = count
+    mesh = load_gltf(gltf.write()).meshes[0]
+    assert corners(mesh.positions, mesh.indices) == corners(POSITIONS, TRIANGLES)
+
+
 def test_draco_beside_plain_attributes(gltf, draco):
     """What the extension does not list comes from its accessor, in the order of the decoded vertices."""
     colors = np.linspace(0, 1, 3 * gltf.json["accessors"][0]["count"], dtype=np.float32).reshape(-1, 3)
@@ -93,6 +107,14 @@ def test_draco_beside_plain_attributes(gltf, draco):
     gltf.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = gltf.add(np.float32([[0, 0, 1]] * len(colors)))
     mesh = load_gltf(gltf.write()).meshes[0]
     np.testing.assert_allclose(mesh.colors[:, :3], colors)
+
+
+def test_draco_needs_indices_and_triangles(gltf, draco):
+    primitive = gltf.json["meshes"][0]["primitives"][0]
+    primitive["mode"] = 5
+    assert "strips" in error_of(gltf.write()).problem
+    del primitive["mode"], primitive["indices"]
+    assert "'indices' is missing" in error_of(gltf.write()).problem
 
 
 def spoil(gltf, change) -> None:
@@ -403,3 +425,67 @@ def test_basis_without_its_decoder(gltf, picture, monkeypatch):
     assert scene.warnings == ["texture 0: KHR_texture_basisu needs the package opengl-basisu; its plain image is taken"]
     del gltf.json["textures"][0]["source"]
     assert "opengl-basisu" in error_of(gltf.write()).remedy
+
+
+# Loads copies of a model with bytes changed; prints how many loads ended how. 2 GiB of address space beyond what the
+# imports take is the most that any may use: allocations above it fail and would be a MemoryError, not a SceneError.
+MUTATE = """
+import random, sys
+from collections import Counter
+from pathlib import Path
+
+from octolux.scene.errors import SceneError
+from octolux.scene.gltf import load_gltf
+
+model, target, first, last = Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4])
+if sys.platform == "linux":
+    import resource
+    taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (taken + (2 << 30),) * 2)
+good, chance, ends = target.read_bytes(), random.Random(7), Counter()
+for _ in range(400):
+    data = bytearray(good)
+    for _ in range(chance.choice((1, 1, 2, 5))):
+        place = chance.randrange(first, last)
+        data[place] = chance.choice((chance.randrange(256), 255, data[place] ^ 1 << chance.randrange(8)))
+    target.write_bytes(data)
+    try:
+        load_gltf(model)
+        ends["loaded"] += 1
+    except SceneError:
+        ends["refused"] += 1
+print(ends["loaded"], ends["refused"])
+"""
+
+
+def outcomes(model: Path, target: Path, part: slice) -> tuple[int, int]:
+    command = [sys.executable, "-c", MUTATE, str(model), str(target), str(part.start), str(part.stop)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    loaded, refused = map(int, done.stdout.split())
+    return loaded, refused
+
+
+def test_mutated_draco(gltf, draco):
+    model = gltf.write()
+    loaded, refused = outcomes(model, gltf.folder / "model.bin", slice(0, len(gltf.data)))
+    assert loaded + refused == 400
+    assert refused
+
+
+def test_mutated_meshopt(gltf):
+    meshopt_model(gltf)
+    model = write_meshopt(gltf)
+    loaded, refused = outcomes(model, gltf.folder / "model.bin", slice(0, len(gltf.data)))
+    assert loaded + refused == 400
+    assert refused
+
+
+@needs_decoder
+@pytest.mark.parametrize("name", ["etc1s", "uastc-zstd"])
+def test_mutated_basis(gltf, name):
+    data = (DATA / f"{name}.ktx2").read_bytes()
+    basis_model(gltf, data)
+    loaded, refused = outcomes(gltf.write(), gltf.folder / "picture.ktx2", slice(0, len(data)))
+    assert loaded + refused == 400
+    assert refused
