@@ -136,9 +136,12 @@ class _Head:
         parts, named = 1, False
         while parts:
             if named:
-                self.place += self.byte()
+                self._skip(self.byte())
             for _ in range(self.varint()):
-                self.place += self.byte()
-                self.place += self.varint()
+                self._skip(self.byte())
+                self._skip(self.varint())
             parts += self.varint() - 1
             named = True
+
+    def _skip(self, count: int) -> None:
+        self.place += count
