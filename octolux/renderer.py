@@ -10,10 +10,11 @@ import numpy as np
 from .frame.anti_aliasing import FxaaPass, alpha_shift, sample_view, samples_of
 from .frame.composite import CompositePass
 from .frame.direct import DirectLightPass
+from .frame.emitters import EmitterLight, emitter_lights
 from .frame.environment import SurroundingsMap
-from .frame.frame import SKY_BLOCK, Frame, FrameBuffers, FrameSettings, Targets
+from .frame.frame import COARSE_BLOCK, Frame, FrameBuffers, FrameSettings, Targets
 from .frame.gbuffer import GBufferPass
-from .frame.lights import light_set, unsupported
+from .frame.lights import light_set
 from .frame.rsm import RSMPass
 from .frame.shadows import ShadowMapPass
 from .frame.views import View, camera_view
@@ -27,6 +28,7 @@ from .scene.daylight import sky, sun
 from .scene.default_camera import default_camera
 from .scene.errors import OctoluxError
 from .scene.exposure import display_exposure
+from .scene.lights import AreaLight, Light
 from .scene.scene import Scene
 from .simulator.tonemap import TONE_MAPS, exposure_factor
 from .techniques import technique_class
@@ -84,19 +86,15 @@ class Renderer:
                 settings = chosen.settings_class.make(preset, **(settings or {}))
             self.technique = chosen(self.device, settings)
         self._passes_of = -1
+        self._emitters_of: tuple = ()
+        self._emitting: list[EmitterLight] = []
 
     @property
     def warnings(self) -> list[str]:
-        """What the scene holds that this technique leaves out, and what it lacks for a picture."""
-        left_out = unsupported(self.scene.lights)
-        notes = [
-            f"{type(light).__name__} '{light.name}' is left out: technique {self.technique.name} has no area lights"
-            for light in left_out
-        ]
+        """What the scene lacks for a picture, and what stands in for it."""
+        notes = []
         if self.default_light and not shines(self.scene):
             notes.append("nothing in the scene shines: the sun and the sky of a clear day light it")
-        elif self.scene.lights and len(left_out) == len(self.scene.lights):
-            notes.append("the scene has no light that shines here: only what glows is seen; add lights in a TOML scene")
         if not self.scene.triangle_count:
             notes.append("the scene holds no triangles: only its surroundings are seen")
         return notes
@@ -164,11 +162,11 @@ class Renderer:
             self._shadow_maps = ShadowMapPass(self.device, visibility)
             self._rsm = RSMPass(self.device, gpu_scene, settings)
             self._passes_of = gpu_scene.version
-        of_sky = self._surroundings.lights(settings.sky_lights)
-        resolutions = (settings.shadow_resolution, settings.sky_resolution)
-        lights = light_set([*scene.lights, *of_sky], gpu_scene.bounds, *resolutions)
+        soft: list[Light] = [*self._emitters(scene), *self._surroundings.lights(settings.sky_lights)]
+        resolutions = (settings.shadow_resolution, settings.coarse_resolution)
+        lights = light_set([*scene.lights, *soft], gpu_scene.bounds, *resolutions)
         views = [self._view(self._camera(wanted, scene)), *lights.views]
-        draws = draw_list(gpu_scene, [views[0].widened(), *lights.views])
+        draws = draw_list(gpu_scene, [views[0].widened(), *lights.views], glow_free=lights.emitter_views)
         buffers = self._buffers.upload(lights, views, draws)
         return Frame(
             self.device, profiler, scene, gpu_scene, settings, self.targets, lights, views, draws, buffers,
@@ -184,6 +182,14 @@ class Renderer:
         if self.previous is None:
             return None
         return self._view(self._camera(wanted, self.previous)), self.previous
+
+    def _emitters(self, scene: Scene) -> list[EmitterLight]:
+        """Worked out again when something that may glow has changed."""
+        area_lights = [light for light in scene.lights if isinstance(light, AreaLight)]
+        key = (self.gpu_scene.moves, tuple(area_lights))
+        if self._emitters_of != key:
+            self._emitters_of, self._emitting = key, emitter_lights(scene, self.frame_settings.emitter_lights)
+        return self._emitting
 
     def _lit(self, scene: Scene) -> Scene:
         if not self.default_light or shines(scene):
@@ -225,7 +231,8 @@ class Renderer:
 
 def shines(scene: Scene) -> bool:
     """Whether anything in the scene gives light."""
-    glowing = any(max(m.emissive) > 0 or m.unlit for m in scene.materials)
+    used = {scene.meshes[i.mesh].material for i in scene.instances}
+    glowing = any(max(scene.materials[n].emissive) > 0 or scene.materials[n].unlit for n in used)
     return bool(scene.lights) or glowing or not scene.environment.is_black
 
 
@@ -245,8 +252,8 @@ def _check_size(settings: FrameSettings) -> None:
     for name, value, most in (("width", settings.width, 8192), ("height", settings.height, 8192)):
         if not 1 <= value <= most:
             raise OctoluxError(f"The picture's {name} must be 1 to {most} pixels, not {value}.")
-    if settings.sky_resolution % SKY_BLOCK:
-        raise OctoluxError(f"sky_resolution {settings.sky_resolution} is not a multiple of {SKY_BLOCK}.")
+    if settings.coarse_resolution % COARSE_BLOCK:
+        raise OctoluxError(f"coarse_resolution {settings.coarse_resolution} is not a multiple of {COARSE_BLOCK}.")
     if settings.shadow_resolution % settings.rsm_resolution:
         raise OctoluxError(
             f"rsm_resolution {settings.rsm_resolution} does not divide shadow_resolution {settings.shadow_resolution}."

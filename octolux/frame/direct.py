@@ -9,7 +9,7 @@ from ..gpu.device import Device
 from ..gpu.passes import ComputePass
 from .environment import SurroundingsMap
 from .frame import Frame
-from .lights import KINDS
+from .lights import KINDS, Counts
 from .shader_values import CONSTANTS
 from .structs import ENVIRONMENT, LIGHT, VIEW, lights_binding, views_binding
 from .views import CUBE_FACES
@@ -19,50 +19,57 @@ _UNROLLED = 8
 
 
 class DirectLightPass:
-    """The glTF BRDF under the sky and every directional, spot and point light: radiance in nits. A pass is built for
-    each number of lights of each kind, and kept."""
+    """The glTF BRDF under the sky, emitters and every directional, spot and point light: radiance in nits. A pass is
+    built for each number of lights of each kind, and kept."""
 
     def __init__(self, device: Device):
         self.device = device
-        self._variants: dict[tuple[int, int, int, int], ComputePass] = {}
+        self._variants: dict[Counts, ComputePass] = {}
 
-    def _variant(self, counts: tuple[int, int, int, int]) -> ComputePass:
+    def _variant(self, counts: Counts) -> ComputePass:
         if counts not in self._variants:
             self._variants[counts] = ComputePass(
                 self.device, "direct light", "frame/direct.wgsl",
                 [
                     views_binding(), lights_binding(), texture("surface_map", "uint"), texture("depth_map"),
                     texture("shadow_maps", "depth", "2d-array"), sampler("shadow_sampler", "non-filtering"),
-                    storage_texture("direct_out", "rgba32float"), *(_sky_bindings() if counts[3] else ()),
+                    storage_texture("direct_out", "rgba32float"), *_soft_bindings(counts),
                 ],
                 structs=[VIEW, LIGHT, ENVIRONMENT], shadows=True, **_groups(counts), **CONSTANTS,
             )  # fmt: skip
         return self._variants[counts]
 
     def run(self, frame: Frame, shadow_sampler: Any, surroundings: SurroundingsMap) -> None:
-        sky = {**surroundings.resources, "sky_maps": frame.sky_maps} if frame.lights.counts[3] else {}
+        counts = frame.lights.counts
+        more = {"coarse_maps": frame.coarse_maps} if any(counts[3:]) else {}
+        more |= surroundings.resources if counts[4] else {}
         with frame.profiler.stage("direct light") as stage:
-            self._variant(frame.lights.counts).run(
+            self._variant(counts).run(
                 stage, frame.pixels, surface_map=frame.targets.surface, depth_map=frame.targets.depth,
                 shadow_maps=frame.shadow_maps, shadow_sampler=shadow_sampler, direct_out=frame.targets.direct,
-                views=frame.buffers["views"], lights=frame.buffers["lights"], **sky,
+                views=frame.buffers["views"], lights=frame.buffers["lights"], **more,
             )  # fmt: skip
 
 
-def _sky_bindings() -> list[Binding]:
-    return [texture("sky_maps", "depth", "2d-array"), *SurroundingsMap.bindings()]
+def _soft_bindings(counts: Counts) -> list[Binding]:
+    """What emitters and the sky need beside the other lights."""
+    maps = [texture("coarse_maps", "depth", "2d-array")] if any(counts[3:]) else []
+    return maps + (SurroundingsMap.bindings() if counts[4] else [])
 
 
-def _groups(counts: tuple[int, int, int, int]) -> dict[str, Any]:
+def _groups(counts: Counts) -> dict[str, Any]:
     """For the template: `groups`, for each kind in the order of the lights but the sky its name, first light, number of
-    lights, first view, views of each; and where the sky's lights and views begin."""
+    lights, first view, views of each; and where the sky's lights and views, and the coarse maps' views, begin."""
     groups: list[tuple[str, int, int, int, int]] = []
     light, view = 0, 1  # view 0 is the camera
-    values: dict[str, Any] = {"sky": counts[3], "unrolled": sum(counts[:3]) <= _UNROLLED, "groups": groups}
-    for kind, count, views_each in zip(KINDS, counts, (1, 1, CUBE_FACES, 1), strict=True):
+    values: dict[str, Any] = {"emitters": counts[3], "sky": counts[4], "coarse": counts[3] + counts[4]}
+    for kind, count in zip(KINDS, counts, strict=True):
+        views_each = CUBE_FACES if kind in ("point", "emitter") else 1
+        if kind == "emitter":
+            values["coarse_view"] = view
         if kind == "sky":
             values |= {"sky_first": light, "sky_view": view}
         else:
             groups.append((kind, light, count, view, views_each))
         light, view = light + count, view + count * views_each
-    return values
+    return {**values, "groups": groups, "unrolled": sum(counts[:4]) <= _UNROLLED}

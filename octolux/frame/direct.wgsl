@@ -36,6 +36,19 @@ fn from_point(p: Point, index: u32, first_view: u32) -> vec3f {
     return reflected(p, normalize(to_light), point_illuminance(light, to_light), lit);
 }
 
+{% if emitters %}
+fn from_emitter(p: Point, index: u32, first_view: u32) -> vec3f {
+    let light = lights[index];
+    let to_light = light.position - p.position;
+    let l = normalize(to_light);
+    let a = abs(to_light);
+    let footprint = light.texel * max(a.x, max(a.y, a.z));
+    let face = first_view + cube_face(-to_light);
+    let lit = coarse_fraction(face, p.position, p.surface.geometric_normal, footprint);
+    return reflected(p, l, emitter_illuminance(light, to_light), lit);
+}
+{% endif %}
+
 {% if sky %}
 {{ use("shaders/environment.wgsl") }}
 
@@ -60,7 +73,7 @@ fn from_sky(p: Point) -> vec3f {
         var lit = 0.0;
         if dot(s.geometric_normal, l) > 0.0 {
             above = 1.0;
-            lit = sky_fraction({{ sky_view - sky_first }}u + i, p.position, s.geometric_normal, light.texel);
+            lit = coarse_fraction({{ sky_view - sky_first }}u + i, p.position, s.geometric_normal, light.texel);
         }
         let share = light.color * max(dot(s.normal, l), 0.0);
         all += share;

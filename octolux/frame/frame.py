@@ -18,7 +18,7 @@ from .structs import LIGHT, MAX_LIGHTS, MAX_VIEWS, RASTER_VIEW, RASTER_VIEW_STRI
 from .views import View
 from .visibility import DrawList
 
-SKY_BLOCK = 8  # the sky's light is even: a VPL for 8 x 8 texels of a map
+COARSE_BLOCK = 8  # soft lights are many and even: a VPL for 8 x 8 texels of their maps
 TEXTURE, STORAGE = wgpu.TextureUsage.TEXTURE_BINDING, wgpu.TextureUsage.STORAGE_BINDING
 RENDER, COPY = wgpu.TextureUsage.RENDER_ATTACHMENT, wgpu.TextureUsage.COPY_SRC
 
@@ -29,8 +29,9 @@ class FrameSettings:
 
     width, height: pixels.  shadow_resolution: texels along a shadow map's edge.  rsm_resolution: VPLs along an RSM's
     edge, one taken of each block of shadow texels; it divides shadow_resolution.  sky_lights: distant lights that stand
-    for the surroundings; 0 leaves these to be seen without lighting anything.  sky_resolution: texels along the edge of
-    a sky light's shadow map, SKY_BLOCK of them to a VPL.
+    for the surroundings; 0 leaves these to be seen without lighting anything.  emitter_lights: lights that stand for
+    all area lights and glowing surfaces; 0 leaves these to glow alone.  coarse_resolution: texels along the edge of the
+    shadow maps of both, COARSE_BLOCK of them to a VPL.
     """
 
     width: int = 1280
@@ -38,7 +39,8 @@ class FrameSettings:
     shadow_resolution: int = 1024
     rsm_resolution: int = 256
     sky_lights: int = 32
-    sky_resolution: int = 512
+    emitter_lights: int = 4
+    coarse_resolution: int = 512
 
 
 class Targets:
@@ -82,7 +84,7 @@ class Targets:
 class Frame:
     """Everything one picture needs. `views` are the camera's and then one for each shadow map.
 
-    shadow_maps, sky_maps: depth arrays.  vpls: buffer of VPL, set when the technique needs RSMs: each light's
+    shadow_maps, coarse_maps: depth arrays.  vpls: buffer of VPL, set when the technique needs RSMs: each light's
     [layer][row][column], of which vpl_ranges says first and number.
     irradiance: rgba32float texture a technique writes: irradiance before albedo, and ambient visibility in alpha;
     specular: radiance already weighted by the BRDF. None is black.
@@ -100,7 +102,7 @@ class Frame:
     draws: DrawList
     buffers: dict[str, Any]
     shadow_maps: Any = None
-    sky_maps: Any = None
+    coarse_maps: Any = None
     vpls: Any = None
     vpl_ranges: list[tuple[int, int]] = field(default_factory=list)
     irradiance: Any = None

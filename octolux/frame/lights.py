@@ -9,12 +9,14 @@ import numpy as np
 
 from ..gpu.device import DeviceError
 from ..gpu.limits import DEFAULT_LIMITS
-from ..scene.lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight
+from ..scene.lights import DirectionalLight, Light, PointLight, SpotLight
 from ..simulator.direct import NARROWEST_RAMP
+from .emitters import EmitterLight
 from .structs import LIGHT
-from .views import MAX_HALF_ANGLE, View, directional_views, point_views, spot_views
+from .views import CUBE_FACES, MAX_HALF_ANGLE, View, directional_views, point_views, spot_views
 
 Bounds = tuple[np.ndarray, np.ndarray]
+Counts = tuple[int, int, int, int, int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,21 +24,27 @@ class LightSet:
     """Lights in the order of KINDS, packed as WGSL's `Light`.
 
     counts: of each kind, in that order.
-    views: of all shadow maps, those of the sky last.  light_of_view: the index of each one's light.
+    views: of all shadow maps, those of emitters and the sky last.  light_of_view: the index of each one's light.
     total_flux: (lights, 3), lm or W: what each sends into its views, an upper bound of what the scene can reflect.
     """
 
     lights: list[Light]
     packed: np.ndarray
-    counts: tuple[int, int, int, int]
+    counts: Counts
     views: list[View]
     light_of_view: list[int]
     total_flux: np.ndarray
 
     @property
     def main_views(self) -> int:
-        """How many of the views are not the sky's: view i is layer i of the shadow maps, then of the sky's maps."""
-        return len(self.views) - self.counts[3]
+        """How many of the views have maps of full resolution: view i is layer i of these, then of the coarse maps."""
+        return len(self.views) - CUBE_FACES * self.counts[3] - self.counts[4]
+
+    @property
+    def emitter_views(self) -> range:
+        """Numbers of the emitters' views, the camera's being 0."""
+        first = 1 + self.main_views
+        return range(first, first + CUBE_FACES * self.counts[3])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,12 +52,14 @@ class SkyLight(DirectionalLight):
     """A part of the sky, as if all its light came from one direction."""
 
 
-KINDS = {"directional": DirectionalLight, "spot": SpotLight, "point": PointLight, "sky": SkyLight}
+KINDS = {
+    "directional": DirectionalLight, "spot": SpotLight, "point": PointLight, "emitter": EmitterLight, "sky": SkyLight,
+}  # fmt: skip
 """Lights that have shadow maps, in the order in which they lie on the device."""
 
 
-def light_set(lights: list[Light], bounds: Bounds, resolution: int, sky_resolution: int = 1) -> LightSet:
-    """Pack the lights that have shadow maps; area lights are not among them (`unsupported` names them).
+def light_set(lights: list[Light], bounds: Bounds, resolution: int, coarse_resolution: int = 1) -> LightSet:
+    """Pack the lights that have shadow maps: area lights have none, but are among the emitters.
 
     Raises DeviceError when their shadow maps need more layers than an array has.
     """
@@ -59,7 +69,7 @@ def light_set(lights: list[Light], bounds: Bounds, resolution: int, sky_resoluti
     views: list[View] = []
     owners: list[int] = []
     for index, light in enumerate(ordered):
-        made = _views_of(light, bounds, sky_resolution if isinstance(light, SkyLight) else resolution)
+        made = _views_of(light, bounds, coarse_resolution if isinstance(light, SkyLight | EmitterLight) else resolution)
         packed[index] = _pack(light, made)[0]
         views += made
         owners += [index] * len(made)
@@ -68,14 +78,9 @@ def light_set(lights: list[Light], bounds: Bounds, resolution: int, sky_resoluti
             f"{len(ordered)} lights need {len(views)} shadow maps; {DEFAULT_LIMITS['max-texture-array-layers']} is the "
             "most (a point light needs six). Use fewer lights."
         )
-    directional, spot, point, sky = (len(group) for group in by_kind)
+    directional, spot, point, emitter, sky = (len(group) for group in by_kind)
     flux = np.array([_total_flux(light, v) for light, v in zip(ordered, _grouped(views, owners), strict=True)])
-    return LightSet(ordered, packed, (directional, spot, point, sky), views, owners, flux.reshape(-1, 3))
-
-
-def unsupported(lights: list[Light]) -> list[Light]:
-    """Lights that shadow maps cannot serve."""
-    return [light for light in lights if isinstance(light, AreaLight)]
+    return LightSet(ordered, packed, (directional, spot, point, emitter, sky), views, owners, flux.reshape(-1, 3))
 
 
 def _grouped(views: list[View], owners: list[int]) -> list[list[View]]:
@@ -103,6 +108,8 @@ def _pack(light: Light, views: list[View]) -> np.ndarray:
         values["direction"] = _unit(np.asarray(light.direction, dtype=np.float64))
     if isinstance(light, PointLight | SpotLight):
         values["position"] = light.position
+    if isinstance(light, EmitterLight):
+        values |= {"direction": light.axis, "cos_outer": light.beam, "cone_slope": light.square_radius}
     if isinstance(light, SpotLight):
         outer = min(light.outer_angle, MAX_HALF_ANGLE)
         values["cos_outer"] = cos(outer)
@@ -120,4 +127,5 @@ def _total_flux(light: Light, views: list[View]) -> np.ndarray:
     # The area that a view shows at distance 1 is more than its solid angle: a tight bound for a narrow spot. The RSM's
     # midpoint rule for solid angles (frame/rsm.wgsl) may exceed them by less than 1 / resolution.
     area = sum(4.0 * float(np.linalg.norm(v.right) * np.linalg.norm(v.up)) for v in views)
+    # An emitter's lobe brings its flux to 4 pi * intensity as well.
     return np.asarray(light.intensity) * min(area, 4.0 * pi) * (1.0 + 1.0 / views[0].width)

@@ -9,7 +9,7 @@ from ..gpu.device import Device, DeviceError
 from ..gpu.limits import DEFAULT_LIMITS
 from ..gpu.passes import ComputePass
 from ..gpu_scene.gpu_scene import GpuScene
-from .frame import SKY_BLOCK, Frame, FrameSettings
+from .frame import COARSE_BLOCK, Frame, FrameSettings
 from .shader_values import CONSTANTS, surface_values
 from .shadows import ShadowMapPass
 from .structs import LIGHT, RSM_SET, VIEW, VPL, lights_binding, views_binding
@@ -24,8 +24,8 @@ class RSMPass:
         self.device = device
         self._buffer: Any = None
         stride = settings.shadow_resolution // settings.rsm_resolution
-        self._edges = (settings.rsm_resolution, settings.sky_resolution // SKY_BLOCK)
-        blocks = ((self._edges[0], stride), (self._edges[1], SKY_BLOCK))
+        self._edges = (settings.rsm_resolution, settings.coarse_resolution // COARSE_BLOCK)
+        blocks = ((self._edges[0], stride), (self._edges[1], COARSE_BLOCK))
         self._passes = [self._made(device, scene, edge, block) for edge, block in blocks]
         self._sets = [device.uniform("RSM set", RSM_SET.array(1)) for _ in blocks]
 
@@ -43,7 +43,7 @@ class RSMPass:
 
     def run(self, frame: Frame, shadow_maps: ShadowMapPass) -> None:
         """Fill `frame.vpls`, and say in `frame.vpl_ranges` where those of each light lie."""
-        layers = (frame.lights.main_views, frame.lights.counts[3])
+        layers = (frame.lights.main_views, len(frame.lights.views) - frame.lights.main_views)
         counts = [n * edge**2 for n, edge in zip(layers, self._edges, strict=True)]
         self._make_room(frame, sum(counts))
         frame.vpls, frame.vpl_ranges = self._buffer, self._ranges(frame)
@@ -51,9 +51,11 @@ class RSMPass:
             return
         places = ((1, 0), (1 + layers[0], counts[0]))
         with frame.profiler.stage("RSM surfaces") as stage:
-            for number, maps in enumerate((shadow_maps.main, shadow_maps.sky)):
+            for number, maps in enumerate((shadow_maps.main, shadow_maps.coarse)):
                 first_view, first_vpl = places[number]
-                self.device.write(self._sets[number], RSM_SET.pack(first_view=first_view, first_vpl=first_vpl))
+                self.device.write(self._sets[number], RSM_SET.pack(
+                    first_view=first_view, first_vpl=first_vpl, emitters=number
+                ))  # fmt: skip
                 if layers[number]:
                     edge = self._edges[number]
                     self._passes[number].run(
@@ -66,8 +68,9 @@ class RSMPass:
         if size > limit:
             raise DeviceError(
                 f"{frame.lights.main_views} views of lights with {self._edges[0]} x {self._edges[0]} VPLs each and "
-                f"{frame.lights.counts[3]} sky lights are more than the {limit // VPL.size} VPLs that fit. Use fewer "
-                "lights (a point light has six views), fewer --sky-lights or a lower --rsm-resolution."
+                f"{len(frame.lights.views) - frame.lights.main_views} of emitters and sky are more than the "
+                f"{limit // VPL.size} VPLs that fit. Use fewer lights (a point light has six views), fewer "
+                "--sky-lights or a lower --rsm-resolution."
             )
         if self._buffer is None or self._buffer.size != size:
             self._buffer = self.device.buffer("VPLs", size=size)

@@ -38,7 +38,11 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if view.perspective == 1u {
         let secant = length(ray.direction);
         received *= length(to_right.direction) * length(down.direction) / (secant * secant * secant);
-        if light.cone_slope > 0.0 { received *= spot_attenuation(light, -normalize(ray.direction)); }
+        if maps.emitters == 1u {
+            received *= emitter_lobe(light, normalize(ray.direction));
+        } else if light.cone_slope > 0.0 {
+            received *= spot_attenuation(light, -normalize(ray.direction));
+        }
     } else {
         received *= length(to_right.origin) * length(down.origin);
     }

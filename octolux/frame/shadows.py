@@ -1,5 +1,5 @@
 """Shadow maps of all lights in two depth arrays: one layer for a directional or spot light and six for a point light in
-one, and the sky's, which are many and coarse, in the other."""
+one, and those of emitters and the sky, which are many and coarse, in the other."""
 
 from __future__ import annotations
 
@@ -37,32 +37,34 @@ class ShadowMaps:
 class ShadowMapPass:
     """Draws every light's faces; with `ids` also, in the same rendering, the triangle numbers RSMs are made from.
 
-    The sky's maps are drawn again only when something in the scene has moved: a sky does not, and they are many.
+    The coarse maps are drawn again only when something has moved: skies and lamps seldom do, and they are many.
     """
 
     def __init__(self, device: Device, visibility: VisibilityPass):
         self.visibility = visibility
-        self.main, self.sky = ShadowMaps(device, ""), ShadowMaps(device, "sky ")
-        self._sky_of: tuple = ()
+        self.main, self.coarse = ShadowMaps(device, ""), ShadowMaps(device, "coarse ")
+        self._coarse_of: tuple = ()
         self.sampler = device.wgpu.create_sampler()  # nearest: the four depths are compared one by one
 
     def run(self, frame: Frame, ids: bool) -> None:
-        """Fill the layers and set `frame.shadow_maps` and `frame.sky_maps`."""
+        """Fill the layers and set `frame.shadow_maps` and `frame.coarse_maps`."""
         settings, lights = frame.settings, frame.lights
-        first_sky = lights.main_views
-        self.main.need(settings.shadow_resolution, first_sky, ids)
-        self.sky.need(settings.sky_resolution, lights.counts[3], ids)
-        frame.shadow_maps, frame.sky_maps = self.main.depth, self.sky.depth
-        drawn = first_sky if self._sky_is_kept(frame, ids) else len(lights.views)
+        first_coarse = lights.main_views
+        self.main.need(settings.shadow_resolution, first_coarse, ids)
+        self.coarse.need(settings.coarse_resolution, len(lights.views) - first_coarse, ids)
+        frame.shadow_maps, frame.coarse_maps = self.main.depth, self.coarse.depth
+        drawn = first_coarse if self._coarse_are_kept(frame, ids) else len(lights.views)
         if not lights.views:
             return
         with frame.profiler.stage("RSM rendering" if ids else "shadow maps") as stage:
             for number in range(drawn):
-                maps, layer = (self.main, number) if number < first_sky else (self.sky, number - first_sky)
+                coarse = number >= first_coarse
+                maps, layer = (self.coarse, number - first_coarse) if coarse else (self.main, number)
                 self.visibility.draw(stage, frame, number + 1, *maps.targets(layer, ids))
 
-    def _sky_is_kept(self, frame: Frame, ids: bool) -> bool:
-        """Whether the sky's layers hold what would be drawn: all that they show is as it was."""
+    def _coarse_are_kept(self, frame: Frame, ids: bool) -> bool:
+        """Whether the coarse layers hold what would be drawn: all that they show is as it was."""
         views = b"".join(view.view_projection.tobytes() for view in frame.lights.views[frame.lights.main_views :])
-        before, self._sky_of = self._sky_of, (frame.gpu_scene.moves, self.sky.depth, self.sky.ids, ids, views)
-        return before == self._sky_of
+        maps = self.coarse
+        before, self._coarse_of = self._coarse_of, (frame.gpu_scene.moves, maps.depth, maps.ids, ids, views)
+        return before == self._coarse_of

@@ -16,7 +16,8 @@ VIEW = Struct(
 RASTER_VIEW = Struct("RasterView", view_projection="mat4x4f", alpha_shift="f32", samples="u32")
 RASTER_VIEW_STRIDE = DEFAULT_LIMITS["min-uniform-buffer-offset-alignment"]
 # color: candela, or lux for directional lights. texel: width of a shadow texel in metres, per metre of depth where the
-# view is a perspective. cos_outer and cone_slope are a spot's; a slope of 0 is no cone.
+# view is a perspective. cos_outer and cone_slope are a spot's; a slope of 0 is no cone. An emitter
+# has its axis, beam and squared radius in direction, cos_outer and cone_slope.
 LIGHT = Struct(
     "Light", position="vec3f", texel="f32", direction="vec3f", cos_outer="f32", color="vec3f", cone_slope="f32",
 )  # fmt: skip
@@ -26,8 +27,8 @@ VPL = Struct("Vpl", position="vec3f", normal="u32", flux="vec3f", padding="f32")
 # cover the sphere at the size of those at the horizon.
 ENVIRONMENT = Struct("EnvironmentSettings", radiance="vec3f", turn="f32", levels="f32", texels="f32")
 # exposure: from nits to the picture's unit. weight: of this sample in the mean of the pixel's samples.
-# Where a set of shadow maps begins among the views, and its VPLs in their buffer.
-RSM_SET = Struct("RsmSet", first_view="u32", first_vpl="u32")
+# Where a set of shadow maps begins among the views, its VPLs in their buffer; whether its lights may be emitters.
+RSM_SET = Struct("RsmSet", first_view="u32", first_vpl="u32", emitters="u32")
 COMPOSITE = Struct("CompositeSettings", exposure="f32", weight="f32")
 
 # Views and lights are uniform arrays of fixed length: a software adapter reads those several times faster than storage.

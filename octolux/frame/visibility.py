@@ -3,6 +3,7 @@ numbers; what the surface is like there is worked out later, only where it is ne
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -34,12 +35,17 @@ class DrawList:
         return len(self.entries)
 
 
-def draw_list(scene: GpuScene, views: list[View], cull: bool = True) -> DrawList:
-    """What each view draws: items whose boxes it may see, in a fixed order, so that every run gives the same bits."""
+def draw_list(
+    scene: GpuScene, views: list[View], cull: bool = True, glow_free: Container[int] = ()
+) -> DrawList:  # fmt: skip
+    """What each view draws: items whose boxes it may see, in a fixed order, so that every run gives the same bits.
+
+    glow_free: views that leave out what glows: those of emitters, which stand in its middle.
+    """
     runs, parts, first = [], [], 0
-    for view in views:
+    for number, view in enumerate(views):
         of_view = []
-        for items in scene.visible_items(view.view_projection, cull):
+        for items in scene.visible_items(view.view_projection, cull, glowing=number not in glow_free):
             parts.append(items)
             of_view.append((first, len(items)))
             first += len(items)

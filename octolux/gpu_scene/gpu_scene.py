@@ -49,7 +49,7 @@ class GpuScene:
         moved = self._instances is None or not _same(instances, self._instances)
         if materials_changed or meshes_changed or moved:
             self.moves += 1
-            self._placed.sync(scene.instances, self.geometry.slots, self.materials.bucket)
+            self._placed.sync(scene.instances, self.geometry.slots, self.materials)
             self._instances = instances
 
     @property
@@ -66,9 +66,12 @@ class GpuScene:
     def has_emission(self) -> bool:
         return self.values["emissive"]
 
-    def visible_items(self, view_projection: np.ndarray, cull: bool = True) -> list[np.ndarray]:
-        """For each draw bucket the items whose box the view may see: uint32 arrays, in a fixed order."""
-        return self._placed.visible_items(view_projection, BUCKETS, cull)
+    def visible_items(self, view_projection: np.ndarray, cull: bool = True, glowing: bool = True) -> list[np.ndarray]:
+        """For each draw bucket the items whose box the view may see: uint32 arrays, in a fixed order.
+
+        glowing: also those whose material emits light.
+        """
+        return self._placed.visible_items(view_projection, BUCKETS, cull, glowing)
 
     @cached_property
     def bindings(self) -> BindGroup:

@@ -12,6 +12,7 @@ from ..gpu.device import Device
 from ..scene.meshes import Instance
 from .clusters import visible, world_boxes
 from .geometry import Slot
+from .materials import MaterialTable
 from .structs import INSTANCE, ITEM
 
 
@@ -53,7 +54,7 @@ class InstanceTable:
         self.instances: Any = None
         self.items: Any = None
 
-    def sync(self, instances: Sequence[Instance], slots: Sequence[Slot | None], bucket: np.ndarray) -> None:
+    def sync(self, instances: Sequence[Instance], slots: Sequence[Slot | None], table: MaterialTable) -> None:
         """Upload rows that differ from what is there."""
         self.drawn = drawn = Drawn.of(instances, slots)
         transforms = np.array([i.transform for i in drawn.instances]).reshape(-1, 4, 4)
@@ -71,11 +72,13 @@ class InstanceTable:
             low = np.concatenate([s.clusters.low for s in drawn.slots])
             high = np.concatenate([s.clusters.high for s in drawn.slots])
             self._low, self._high = world_boxes(low, high, transforms[owner])
-            self._buckets = bucket[materials][owner] if len(bucket) else np.zeros(len(owner), np.int64)
+            has_materials = len(table.bucket) > 0  # a scene without any is drawn in the table's empty row
+            self._buckets = table.bucket[materials][owner] if has_materials else np.zeros(len(owner), np.int64)
+            self._glowing = table.glowing[materials][owner] if has_materials else np.zeros(len(owner), bool)
             self.bounds = (self._low.min(axis=0), self._high.max(axis=0))
         else:
             self._low = self._high = np.zeros((0, 3))
-            self._buckets = np.zeros(0, np.int64)
+            self._buckets, self._glowing = np.zeros(0, np.int64), np.zeros(0, bool)
         self.instances = self._brought(self.instances, "instances", self._rows, rows)
         self.items = self._brought(self.items, "items", self._item_rows, items)
         self._rows, self._item_rows = rows, items
@@ -90,7 +93,9 @@ class InstanceTable:
             self.device.write(buffer, now[first:end], first * now.dtype.itemsize)
         return buffer
 
-    def visible_items(self, view_projection: np.ndarray, buckets: int, cull: bool) -> list[np.ndarray]:
+    def visible_items(self, view_projection: np.ndarray, buckets: int, cull: bool, glowing: bool) -> list[np.ndarray]:
         """For each draw bucket the items whose box the view may see: uint32 arrays, in a fixed order."""
         seen = visible(self._low, self._high, view_projection) if cull else np.ones(len(self._low), bool)
+        if not glowing:
+            seen &= ~self._glowing
         return [np.flatnonzero(seen & (self._buckets == b)).astype(np.uint32) for b in range(buckets)]

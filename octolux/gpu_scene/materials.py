@@ -26,7 +26,8 @@ ALPHA_MODES = {"opaque": 0, "mask": 1, "blend": 2}
 class MaterialTable:
     """`values` says what the materials make use of: shaders are made for these, and anew when they change.
 
-    bucket: int64 (materials,), in which draw bucket what has the material is drawn.
+    bucket: int64 (materials,), in which draw bucket what has the material is drawn.  glowing: bool (materials,),
+    whether it emits light.
     """
 
     def __init__(self, device: Device):
@@ -37,6 +38,7 @@ class MaterialTable:
         self.textures: TextureArrays
         self.values: dict[str, Any] = {}
         self.bucket = np.zeros(0, np.int64)
+        self.glowing = np.zeros(0, bool)
 
     def sync(self, materials: Sequence[Material]) -> bool:
         """Upload the table if a material was replaced, textures if other images are used; returns whether any was."""
@@ -52,6 +54,7 @@ class MaterialTable:
         cut = np.array([m.alpha_mode != "opaque" for m in materials], dtype=np.int64)
         single = np.array([not m.double_sided for m in materials], dtype=np.int64)
         self.bucket = cut * MASKED + single * SINGLE_SIDED
+        self.glowing = np.array([max(m.emissive) > 0 for m in materials], dtype=bool)
         return True
 
     def _write(self, materials: Sequence[Material]) -> None:

@@ -59,7 +59,7 @@ class Material:
     specular: weight of the dielectric specular lobe; 1 = F0 of 0.04 as in glTF, 0 = pure Lambert.
     metallic_roughness_texture: roughness in G, metallic in B (glTF).
     normal_texture: tangent-space normals, green up (glTF); normal_scale multiplies x and y.
-    emissive: emitted radiance in nits (cd/m^2), both faces.
+    emissive: emitted radiance in nits (cd/m^2), of the front face, and of the back too where it is double-sided.
     alpha_mode: "mask" cuts where alpha is below alpha_cutoff; "blend" lets a share of 1 - alpha of the light through.
     unlit: shown in its base colour whatever the light and the exposure; it reflects and emits no light.
     """

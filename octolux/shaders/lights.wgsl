@@ -1,10 +1,20 @@
-// Lights and their shadow maps. Lights lie in the order directional, spot, point, sky, and so do their views: one each, six
-// for a point light. View 0 is the camera; the shadow map of view i is layer i - 1, the sky's are an array of their own.
-// With `shadows` it needs views, shadow_maps and shadow_sampler; with `sky` also sky_maps.
+// Lights and their shadow maps. Lights lie in the order directional, spot, point, emitter, sky, and so do their views: one
+// each, six for a point or emitter. View 0 is the camera; the shadow map of view i is layer i - 1; those of emitters and sky
+// are an array of their own. With `shadows` it needs views, shadow_maps and shadow_sampler; with `coarse` also coarse_maps.
 
 // Illuminance on a plane that faces the light (lux).
 fn directional_illuminance(light: Light) -> vec3f { return light.color; }
 fn point_illuminance(light: Light, to_light: vec3f) -> vec3f { return light.color / dot(to_light, to_light); }
+
+// What of an emitter's intensity goes to unit direction w (frame/emitters.py); cos_outer holds its beam.
+fn emitter_lobe(light: Light, w: vec3f) -> f32 {
+    return 4.0 * light.cos_outer * max(dot(w, light.direction), 0.0) + 1.0 - light.cos_outer;
+}
+// cone_slope holds the squared radius of a disk of its area.
+fn emitter_illuminance(light: Light, to_light: vec3f) -> vec3f {
+    let square = dot(to_light, to_light);
+    return light.color * (emitter_lobe(light, -to_light * inverseSqrt(square)) / (square + light.cone_slope));
+}
 
 // KHR_lights_punctual: a linear ramp in the cosine between the cones, squared. `l` points to the light.
 fn spot_attenuation(light: Light, l: vec3f) -> f32 {
@@ -58,7 +68,7 @@ fn {{ name }}(view_index: u32, position: vec3f, normal: vec3f, footprint: f32) -
 }
 {% endmacro %}
 {{ lit_fraction("lit_fraction", "shadow_maps", 1) }}
-{% if sky %}
-{{ lit_fraction("sky_fraction", "sky_maps", sky_view) }}
+{% if coarse %}
+{{ lit_fraction("coarse_fraction", "coarse_maps", coarse_view) }}
 {% endif %}
 {% endif %}

@@ -1,0 +1,157 @@
+"""Area lights and glowing surfaces as a few lights with shadow maps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from ..scene.lights import AreaLight, PointLight
+from ..scene.materials import Material
+from ..scene.scene import Scene
+from ..simulator.environment import LUMINANCE
+from ..simulator.tonemap import srgb_decode
+
+
+@dataclass(frozen=True, kw_only=True)
+class EmitterLight(PointLight):
+    """A patch of glowing surface, as if its light came from its middle.
+
+    `intensity` is its flux / (4 pi). A share `beam` of the flux leaves as a cosine lobe around `axis` (unit length),
+    the rest alike in all directions: I(w) = intensity * (4 beam max(0, w.axis) + 1 - beam). A flat patch has a beam of
+    1, a glowing ball of 0.  square_radius: of a disk of the patch's area, m^2, times beam; at a distance d on the axis the
+    disk's illuminance is exactly I / (d^2 + square_radius), and outside a ball its is I / d^2.
+    """
+
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    beam: float = 0.0
+    square_radius: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Patches:
+    """Glowing triangles: corners float64 (n, 3, 3), counter-clockwise where they shine to; radiance (n, 3), nits."""
+
+    corners: np.ndarray
+    radiance: np.ndarray
+
+    def normals(self) -> np.ndarray:
+        """float64 (n, 3), as long as the area."""
+        c = self.corners
+        return 0.5 * np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0])
+
+    def flux(self) -> np.ndarray:
+        """float64 (n, 3): pi times radiance times area."""
+        return pi * self.radiance * np.linalg.norm(self.normals(), axis=1)[:, None]
+
+    def chosen(self, which: np.ndarray) -> _Patches:
+        return _Patches(self.corners[which], self.radiance[which])
+
+
+def emitter_lights(scene: Scene, count: int) -> list[EmitterLight]:
+    """The area lights and glowing surfaces of `scene` as at most `count` lights that send out all their flux.
+
+    Patches are parted by the way they face and by place: the part with most flux is halved until there are enough.
+    """
+    patches = _patches(scene)
+    if not count or not len(patches.corners):
+        return []
+    patches = _subdivided(patches, count)
+    parts = [patches]
+    while len(parts) < count:
+        parts.sort(key=lambda part: -float((part.flux() @ LUMINANCE).sum()))
+        halves = next((h for n, p in enumerate(parts) if (h := _halves(parts, n, p))), None)
+        if halves is None:
+            break
+        parts = halves
+    return [_light(part) for part in parts]
+
+
+def _patches(scene: Scene) -> _Patches:
+    found = [_quadrilateral(light) for light in scene.lights if isinstance(light, AreaLight)]
+    glowing = {n: _glow(m) for n, m in enumerate(scene.materials) if max(m.emissive) > 0}
+    for instance in scene.instances:
+        mesh = scene.meshes[instance.mesh]
+        if mesh.material not in glowing:
+            continue
+        transform = instance.transform
+        corners = mesh.positions[mesh.indices].astype(np.float64) @ transform[:3, :3].T + transform[:3, 3]
+        if np.linalg.det(transform[:3, :3]) < 0:
+            corners = corners[:, ::-1]
+        sides = [corners, corners[:, ::-1]] if scene.materials[mesh.material].double_sided else [corners]
+        found += [_Patches(side, np.tile(glowing[mesh.material], (len(side), 1))) for side in sides]
+    return _joined(found)
+
+
+def _joined(patches: Iterable[_Patches]) -> _Patches:
+    patches = [p for p in patches if len(p.corners)]
+    if not patches:
+        return _Patches(np.zeros((0, 3, 3)), np.zeros((0, 3)))
+    joined = _Patches(np.concatenate([p.corners for p in patches]), np.concatenate([p.radiance for p in patches]))
+    return joined.chosen(joined.flux().sum(axis=1) > 0)
+
+
+def _glow(material: Material) -> np.ndarray:
+    """Mean radiance (3,) of a material: its texture is taken as even."""
+    glow = np.array(material.emissive, dtype=np.float64)
+    if material.emissive_texture is None:
+        return glow
+    return glow * srgb_decode(material.emissive_texture.image.pixels[..., :3] / 255.0).mean(axis=(0, 1))
+
+
+def _quadrilateral(light: AreaLight) -> _Patches:
+    a, b, c, d = (np.asarray(corner, dtype=np.float64) for corner in light.corners)
+    return _Patches(np.array([[a, b, c], [a, c, d]]), np.tile(np.asarray(light.radiance, dtype=np.float64), (2, 1)))
+
+
+def _subdivided(patches: _Patches, count: int) -> _Patches:
+    """Triangles with more than half of a light's share of the flux are cut into four, so that all parts can be even."""
+    while True:
+        flux = patches.flux() @ LUMINANCE
+        large = flux > 0.5 * flux.sum() / count
+        if not large.any():
+            return patches
+        a, b, c = np.moveaxis(patches.corners[large], 1, 0)
+        ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+        quarters = [np.stack(corners, axis=1) for corners in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]
+        cut = _Patches(np.concatenate(quarters), np.tile(patches.radiance[large], (4, 1)))
+        patches = _joined([patches.chosen(~large), cut])
+
+
+def _halves(parts: list[_Patches], number: int, part: _Patches) -> list[_Patches] | None:
+    """All parts, with `part` cut in two: by the way it faces if it faces both ways, else across its longest side."""
+    if len(part.corners) < 2:
+        return None
+    normals, flux = part.normals(), part.flux() @ LUMINANCE
+    middle = part.corners.mean(axis=1)
+    facing = normals @ normals[int(np.argmax(flux))]
+    if (facing < 0).any():
+        first = facing >= 0
+    else:
+        along = middle[:, int(np.argmax(np.ptp(middle, axis=0)))]
+        order = np.argsort(along, kind="stable")
+        half = int(np.searchsorted(np.cumsum(flux[order]), 0.5 * flux.sum()))
+        first = np.zeros(len(order), bool)
+        first[order[: min(max(half, 1), len(order) - 1)]] = True
+    return [*parts[:number], *parts[number + 1 :], part.chosen(first), part.chosen(~first)]
+
+
+def _light(part: _Patches) -> EmitterLight:
+    flux, normals = part.flux(), part.normals()
+    weight = (flux @ LUMINANCE)[:, None]
+    facing = (normals / np.linalg.norm(normals, axis=1)[:, None] * weight).sum(axis=0) / weight.sum()
+    beam = float(np.linalg.norm(facing))
+    axis = facing / beam if beam > 1e-9 else np.array([0.0, 0.0, 1.0])
+    middle = (part.corners.mean(axis=1) * weight).sum(axis=0) / weight.sum()
+    area = float(np.linalg.norm(normals, axis=1).sum())
+    return EmitterLight(
+        position=_vector(middle), intensity=_vector(flux.sum(axis=0) / (4.0 * pi)), axis=_vector(axis), beam=beam,
+        square_radius=beam * area / pi,
+    )  # fmt: skip
+
+
+def _vector(values: np.ndarray) -> tuple[float, float, float]:
+    x, y, z = (float(v) for v in values)
+    return x, y, z
