@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from octolux.frame.frame import FrameSettings
 from octolux.gpu.bindings import storage, storage_rw
 from octolux.gpu.device import Device
 from octolux.gpu.passes import ComputePass
@@ -76,6 +77,12 @@ def scene_of(meshes: list[Mesh], materials: list[Material] | None = None, **rest
     scene = Scene(meshes=meshes, materials=materials or [Material(specular=0.0)], exposure=0.0, **rest)
     scene.instances = scene.instances or [Instance(i) for i in range(len(meshes))]
     return scene
+
+
+def small_settings(**changes: Any) -> FrameSettings:
+    """Settings for tiny pictures: small shadow maps, few sky lights."""
+    small = {"shadow_resolution": 64, "rsm_resolution": 32, "sky_lights": 8, "coarse_resolution": 64}
+    return FrameSettings(**{**small, **changes})
 
 
 def front_camera(distance: float = 2.0, **rest: Any) -> Camera:

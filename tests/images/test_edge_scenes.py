@@ -6,9 +6,9 @@ from math import pi, radians
 
 import numpy as np
 import pytest
-from gpu_tools import front_camera, scene_of
+from gpu_tools import front_camera, scene_of, small_settings
 
-from octolux.frame.frame import COPY, RENDER, FrameSettings
+from octolux.frame.frame import COPY, RENDER
 from octolux.renderer import Renderer
 from octolux.scene.builtin.shapes import box, quad
 from octolux.scene.cameras import Camera
@@ -34,7 +34,7 @@ WALL = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
 
 def render(device, scene, technique="uniform-lpv", camera=None, size=(24, 16), **rest):
     """A picture without the default sun and sky, in which the surroundings are seen but light nothing."""
-    settings = FrameSettings(shadow_resolution=64, rsm_resolution=32, sky_lights=0)
+    settings = small_settings(sky_lights=0)
     rest = {"default_light": False, **rest}
     renderer = Renderer(scene, technique, size=size, device=device, frame_settings=settings, **rest)
     return renderer.render(camera or front_camera())
@@ -85,9 +85,8 @@ def test_a_camera_that_sees_nothing(device, camera):
 
 
 def test_a_scene_that_comes_and_goes(device):
-    settings = FrameSettings(shadow_resolution=64, rsm_resolution=32, sky_lights=4, sky_resolution=32)
-    renderer = Renderer(Scene(environment=SKY, exposure=0.0), "uniform-lpv", size=(24, 24), device=device,
-                        frame_settings=settings)  # fmt: skip
+    scene = Scene(environment=SKY, exposure=0.0)
+    renderer = Renderer(scene, "uniform-lpv", size=(24, 24), device=device, frame_settings=small_settings())
     assert is_background(renderer.render(front_camera()))
     renderer.scene.meshes, renderer.scene.materials = [quad(WALL)], [Material()]
     renderer.scene.instances, renderer.scene.lights = [Instance(0)], list(LIGHTS)
