@@ -23,8 +23,8 @@ LARGEST = 100_000
 
 HEAD = """# Gallery
 
-The built-in scenes, each from each of its cameras, with one bounce of indirect light from `uniform-lpv` at its default
-settings. This page and its pictures are made by `.venv/bin/python scripts/gallery.py`.
+The built-in scenes, each from each of its cameras, rendered with `uniform-lpv` at its default settings.
+This page and its pictures are made by `.venv/bin/python scripts/gallery.py`.
 """
 
 

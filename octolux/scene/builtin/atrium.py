@@ -27,7 +27,7 @@ SKY: Color = (2_600.0, 3_600.0, 5_400.0)
 """Nits: a clear blue sky."""
 
 METERED_LUMINANCE = 800.0
-"""Nits: between the mean of what the hall camera sees (about 1500) and the middle of its shade (about 450)."""
+"""Nits: between the mean of what the hall camera sees (about 1500) and the middle of what it sees (about 500)."""
 
 
 def atrium() -> Scene:

@@ -46,6 +46,8 @@ ROBOT = (0.85, 0.0, 0.0)
 """Where the vacuum cleaner starts, metres."""
 
 METERED_LUMINANCE = 28.0
+"""Nits: the mean of what a path tracer shows to the camera "below" (27); the room above it is at 67 and stays below
+white but for windows and lamps."""
 
 
 def conference() -> Scene:

@@ -40,7 +40,8 @@ BEND_LAMP, BEND_AIM = (-1.45, 2.25, -1.5), (2.4, -1.1, -2.7)
 """The second lamp and where it shines to: past the thin wall's edge on the back of the bend."""
 
 METERED_LUMINANCE = 3.0
-"""Nits: the geometric mean of what the cameras "lit" and "far" see, path traced (DESCRIBED LATER)."""
+"""Nits: between what a path tracer shows to the camera "lit" (16 on average) and the middle of what "far" sees (0.9),
+as one would meter both and choose the shade."""
 
 
 def corridor() -> Scene:

@@ -75,7 +75,8 @@ def _lanterns() -> Mesh:
             x, z, low = (number + 0.5) * BAY - HALF_LENGTH, -HALF_WIDTH, SPRING + 0.12
             top = SPRING + ARCH
             parts.append(tube([(x, low + 0.32, z), (x, top, z)], 0.008, sides=6, material=IRON))
-            cage = [(0.01, 0.0), (0.07, 0.0), (0.07, 0.0), (0.10, 0.24), (0.10, 0.24), (0.13, 0.25), (0.13, 0.25), (0.01, 0.34)]
+            cage = [(0.01, 0.0), (0.07, 0.0), (0.07, 0.0), (0.10, 0.24), (0.10, 0.24), (0.13, 0.25), (0.13, 0.25),
+                    (0.01, 0.34)]
             parts.append(moved(revolve(cage, segments=6, material=IRON), (x, low, z)))
     return merge(parts, "lanterns")
 

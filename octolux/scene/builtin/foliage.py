@@ -39,6 +39,7 @@ SKY: Color = (2_600.0, 3_600.0, 5_400.0)
 """Nits: a clear blue sky."""
 
 METERED_LUMINANCE = 1300.0
+"""Nits: between the geometric mean (1000) and the median (1700) of what a path tracer shows to the camera "wall"."""
 
 
 def foliage() -> Scene:

@@ -49,6 +49,8 @@ SKY: Color = (2_600.0, 3_600.0, 5_400.0)
 """Nits: a clear blue sky."""
 
 METERED_LUMINANCE = 1600.0
+"""Nits: a stop and a half below the geometric mean of what a path tracer shows to the camera "front" (4600), for the
+shaded sides of the metals; the sunlit white wall, about 9000, stays below white at 1.2 * 8 * 1600."""
 
 
 def spheres() -> Scene:
