@@ -21,8 +21,8 @@ class EmitterLight(PointLight):
 
     `intensity` is its flux / (4 pi). A share `beam` of the flux leaves as a cosine lobe around `axis` (unit length),
     the rest alike in all directions: I(w) = intensity * (4 beam max(0, w.axis) + 1 - beam). A flat patch has a beam of
-    1, a glowing ball of 0.  square_radius: of a disk of the patch's area, m^2, times beam; at a distance d on the axis the
-    disk's illuminance is exactly I / (d^2 + square_radius), and outside a ball its is I / d^2.
+    1, a glowing ball of 0.  square_radius: of a disk of the patch's area, m^2, times beam; at a distance d on the axis
+    the disk's illuminance is exactly I / (d^2 + square_radius), and a ball's is I / d^2.
     """
 
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
