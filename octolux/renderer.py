@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .frame.anti_aliasing import FxaaPass, alpha_shift, sample_view, samples_of
+from .frame.anti_aliasing import FxaaPass, sample_view, samples_of
 from .frame.composite import CompositePass
 from .frame.direct import DirectLightPass
 from .frame.emitters import EmitterLight, emitter_lights
@@ -132,7 +132,7 @@ class Renderer:
             frame.sample = sample
             frame.views[0] = sample_view(view, sample, frame.samples)
             frame.profiler.submit()
-            self._buffers.aim(frame.views[0], alpha_shift(sample, frame.samples), frame.samples)
+            self._buffers.aim(frame.views[0], sample, frame.samples)
             self._gbuffer.run(frame)
             if sample == 0:
                 self._light(frame)

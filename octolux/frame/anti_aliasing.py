@@ -16,9 +16,8 @@ STILL_SAMPLES = 8
 MAX_SAMPLES = 1024
 
 # The R2 sequence (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences"): powers of the plastic
-# number's inverse. The golden ratio is its one-dimensional sister.
+# number's inverse.
 _R2 = (0.7548776662466927, 0.5698402909980532)
-_GOLDEN = 0.6180339887498949
 
 
 def samples_of(anti_aliasing: str | int, sequence: bool) -> tuple[int, bool]:
@@ -42,11 +41,6 @@ def sample_shift(sample: int, samples: int) -> tuple[float, float]:
     number = samples - 1 - sample
     x, y = ((0.5 + number * step) % 1.0 - 0.5 for step in _R2)
     return x, y
-
-
-def alpha_shift(sample: int, samples: int) -> float:
-    """What is added to the thresholds of blended surfaces: even over the samples, 0 for the last."""
-    return (samples - 1 - sample) * _GOLDEN % 1.0
 
 
 def sample_view(view: View, sample: int, samples: int) -> View:

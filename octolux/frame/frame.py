@@ -149,9 +149,9 @@ class FrameBuffers:
             self.device.write(self._kept[name], data)
         return dict(self._kept)
 
-    def aim(self, view: View, alpha_shift: float, samples: int) -> None:
-        """Let the camera look along `view` from now on, for one of `samples` samples a pixel."""
+    def aim(self, view: View, sample: int, samples: int) -> None:
+        """Let the camera look along `view` from now on, for sample number `sample` of each pixel."""
         matrix = view.view_projection.T
-        packed = RASTER_VIEW.pack(view_projection=matrix, alpha_shift=alpha_shift, samples=samples)
+        packed = RASTER_VIEW.pack(view_projection=matrix, sample=sample, samples=samples)
         self.device.write(self._kept["views"], view.pack())
         self.device.write(self._kept["raster_views"], packed)

@@ -12,8 +12,8 @@ VIEW = Struct(
     origin_dy="vec3f", light="u32", direction="vec3f", depth_scale="f32", direction_dx="vec3f", direction_dy="vec3f",
 )  # fmt: skip
 # All that the rasteriser needs of a view; 256 bytes apart, so that one buffer serves all views at dynamic offsets.
-# alpha_shift: of the thresholds of blended surfaces, another for each of the `samples` of a pixel.
-RASTER_VIEW = Struct("RasterView", view_projection="mat4x4f", alpha_shift="f32", samples="u32")
+# sample, samples: which of the samples of each pixel is drawn, and of how many.
+RASTER_VIEW = Struct("RasterView", view_projection="mat4x4f", sample="u32", samples="u32")
 RASTER_VIEW_STRIDE = DEFAULT_LIMITS["min-uniform-buffer-offset-alignment"]
 # color: candela, or lux for directional lights. texel: width of a shadow texel in metres, per metre of depth where the
 # view is a perspective. cos_outer and cone_slope are a spot's; a slope of 0 is no cone. An emitter

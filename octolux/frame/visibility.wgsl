@@ -62,7 +62,7 @@ fn discard_if_masked(corner: Corner) {
     {% if blended %}
     let fixed_threshold = hashed_threshold(corner.position_ws);
     let threshold = select(
-        fixed_threshold, sample_threshold(corner.position.xy, corner.id >> CLUSTER_BITS, view.alpha_shift),
+        fixed_threshold, sample_threshold(corner.position.xy, corner.id, view.sample, max(view.samples, 1u)),
         view.samples > 1u,
     );
     if material.alpha_mode == 2u { cut = alpha <= threshold; }
