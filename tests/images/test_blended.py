@@ -21,7 +21,8 @@ EDGE = 32
 # How far the mean of EDGE^2 independent pixels may lie from what is expected: 5 of its standard deviations, of which
 # each is at most 1/2 / EDGE.
 MEAN = 5 * 0.5 / EDGE
-OF_ONE = ~np.eye(EDGE, dtype=bool)[::-1]  # but for the wall's diagonal, pixels show one triangle
+# Pixels that show one triangle: but for the wall's diagonal, and its rim, where samples may pass it by.
+OF_ONE = np.pad(~np.eye(EDGE - 2, dtype=bool)[::-1], 1)
 
 
 def wall(z: float, material: int = 0, tilt: float = 0.0):
