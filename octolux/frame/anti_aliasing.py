@@ -15,9 +15,8 @@ from .views import View
 STILL_SAMPLES = 8
 MAX_SAMPLES = 1024
 
-# The R2 sequence (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences"): powers of the plastic
-# number's inverse.
-_R2 = (0.7548776662466927, 0.5698402909980532)
+# The golden ratio, of which multiples are spread most evenly (a Fibonacci lattice where the number of samples is one).
+_GOLDEN = 0.6180339887498949
 
 
 def samples_of(anti_aliasing: str | int, sequence: bool) -> tuple[int, bool]:
@@ -39,7 +38,7 @@ def samples_of(anti_aliasing: str | int, sequence: bool) -> tuple[int, bool]:
 def sample_shift(sample: int, samples: int) -> tuple[float, float]:
     """Where in the pixel sample number `sample` lies, from its centre, pixels; the last one lies in the centre."""
     number = samples - 1 - sample
-    x, y = ((0.5 + number * step) % 1.0 - 0.5 for step in _R2)
+    x, y = ((0.5 + number * step) % 1.0 - 0.5 for step in (1.0 / samples, _GOLDEN))
     return x, y
 
 
