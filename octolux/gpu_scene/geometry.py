@@ -56,10 +56,9 @@ class GeometryBuffers:
                 slots.append(kept[id(mesh)])
             elif before and id(before.mesh) not in staying and _same_topology(before.mesh, mesh):
                 staying.add(id(before.mesh))  # its place is taken, also where it was listed twice
-                slots.append(self._rewritten(before, mesh))
+                slots.append(kept.setdefault(id(mesh), self._rewritten(before, mesh)))
             else:
-                slots.append(self._appended(mesh))
-                kept[id(mesh)] = slots[-1]  # type: ignore[assignment]
+                slots.append(kept.setdefault(id(mesh), self._appended(mesh)))
         self.slots = slots
         if self._free_vertex > self._capacity[0] or self._free_triangle > self._capacity[1] or self.vertices is None:
             self._rebuild()

@@ -79,6 +79,7 @@ class InstanceTable:
         else:
             self._low = self._high = np.zeros((0, 3))
             self._buckets, self._glowing = np.zeros(0, np.int64), np.zeros(0, bool)
+            self.bounds = (np.zeros(3), np.zeros(3))
         self.instances = self._brought(self.instances, "instances", self._rows, rows)
         self.items = self._brought(self.items, "items", self._item_rows, items)
         self._rows, self._item_rows = rows, items
