@@ -11,20 +11,19 @@ from .scene.scene import Scene
 
 
 def motion_vectors(
-    ids: np.ndarray, position: np.ndarray, drawn: Drawn, before: View, scene: Scene | None
+    ids: np.ndarray, position: np.ndarray, drawn: Drawn, view: View, before: View, scene: Scene | None
 ) -> np.ndarray:  # fmt: skip
     """float32 (height, width, 2): pixels that what is seen has moved since the frame before, x right, y down.
 
     ids: uint32 (height, width), as the rasteriser wrote them.  position: float32 (height, width, 3), world space.
-    before: the camera's view in the frame before.  scene: as it was then, or None for the first frame. Where an
-    instance or the triangles of its mesh are not the same as then, only the camera's motion counts. 0 where nothing is
-    seen, and where the point was behind the camera.
+    view, before: the camera's view, and that of the frame before.  scene: as it was then, or None for the first frame.
+    Where an instance or the triangles of its mesh are not the same as then, only the camera's motion counts. 0 where
+    nothing is seen, and where the point was behind the camera.
     """
     motion = np.zeros((*ids.shape, 2), np.float32)
     seen = ids > 0
     if not seen.any():
         return motion
-    rows, columns = np.nonzero(seen)
     here = position[seen].astype(np.float64)
     there = here.copy()
     numbers = ids[seen] - 1
@@ -37,7 +36,7 @@ def motion_vectors(
         if earlier is not None:
             there[of_owner] = _carried(here[of_owner], _corners(drawn, int(owner), triangles[of_owner]), earlier)
     pixel, ahead = _pixels(before, there)
-    moved = np.stack([columns + 0.5, rows + 0.5], axis=1) - pixel
+    moved = _pixels(view, here)[0] - pixel  # not the pixel's centre: what lies still has moved by exactly 0
     motion[seen] = np.where(ahead[:, None], moved, 0.0)
     return motion
 

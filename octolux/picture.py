@@ -171,5 +171,5 @@ class Picture:
         return np.where(self._ids > 0, number, 0).astype(np.uint32)
 
     def _motion(self) -> np.ndarray:
-        view, scene = self._before or (self._view, None)
-        return motion_vectors(self._ids, self._positions(), self._drawn, view, scene)
+        before, scene = self._before or (self._view, None)
+        return motion_vectors(self._ids, self._positions(), self._drawn, self._view, before, scene)

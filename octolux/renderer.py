@@ -69,6 +69,7 @@ class Renderer:
         self.samples, self._filtered = samples_of(anti_aliasing, sequence)
         self.default_light = default_light
         self.previous: Scene | None = None
+        self._by_hand: Camera | None = None  # the camera of the frame before, where it was none of the scene's
         base = frame_settings or FrameSettings()
         self.frame_settings = replace(base, width=size[0], height=size[1])
         _check_size(self.frame_settings)
@@ -113,6 +114,7 @@ class Renderer:
             picture = Picture(self.device, frame, self.exposure, self._composite.tone_map, self._before(camera))
         lists: dict[str, Any] = {name: list(getattr(self.scene, name)) for name in _LISTS}
         self.previous = replace(self.scene, **lists)
+        self._by_hand = camera if isinstance(camera, Camera) else None
         return picture
 
     def meter(self, camera: str | int | Camera | None = None) -> float:
@@ -181,7 +183,8 @@ class Renderer:
     def _before(self, wanted: str | int | Camera | None) -> tuple[View, Scene] | None:
         if self.previous is None:
             return None
-        return self._view(self._camera(wanted, self.previous)), self.previous
+        seen_by = self._by_hand if self._by_hand and isinstance(wanted, Camera) else wanted
+        return self._view(self._camera(seen_by, self.previous)), self.previous
 
     def _emitters(self, scene: Scene) -> list[EmitterLight]:
         """Worked out again when something that may glow has changed."""
