@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import sys
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -13,7 +14,7 @@ import typer
 from . import __version__, cli_options, console
 from .output import check_writable, write_json
 from .output.options import FileOptions, layer_names
-from .scene.errors import OctoluxError
+from .scene.errors import OctoluxError, one_line
 from .targets import Target, frame_range
 
 if TYPE_CHECKING:
@@ -23,11 +24,13 @@ app = typer.Typer(
     help="Real-time global illumination: render a scene, and see what each stage costs.",
     no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None,
 )  # fmt: skip
+_WIDEST = 2000  # characters of a line of `info`
 _INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 
 
 def main() -> None:
     """Run the program; what the user can mend is one line on stderr and exit code 2."""
+    warnings.filterwarnings("ignore", module=r"PIL\.")  # of pictures that are too large or odd: octolux says so itself
     try:
         app()
     except OctoluxError as error:
@@ -182,7 +185,8 @@ def info(
     from .info import info_lines, scene_facts
 
     facts = scene_facts(scene)
-    typer.echo(json.dumps(facts, indent=1) if as_json else "\n".join(info_lines(facts)))
+    lines = [json.dumps(facts, indent=1)] if as_json else [one_line(line, _WIDEST) for line in info_lines(facts)]
+    typer.echo("\n".join(lines))
 
 
 @app.command()

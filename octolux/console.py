@@ -11,10 +11,13 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from .scene.errors import one_line
+
 out = Console(highlight=False)
 notes = Console(stderr=True, highlight=False, soft_wrap=True)
 
 _LINE_EVERY = 10.0  # seconds
+_LONGEST = 2000  # characters of a note; far more than ours have
 
 
 class GroupedCommand(typer.core.TyperCommand):
@@ -34,7 +37,8 @@ class GroupedCommand(typer.core.TyperCommand):
 
 
 def warn(text: str, kind: str = "warning") -> None:
-    notes.print(f"{kind}: {text}", markup=False)
+    """One line on stderr, whatever the names in `text` hold."""
+    notes.print(f"{kind}: {one_line(text, _LONGEST)}", markup=False)
 
 
 def track(frames: Sequence[int]) -> Iterable[int]:

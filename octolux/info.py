@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator
 from dataclasses import fields
 from math import degrees
@@ -11,6 +10,7 @@ from typing import Any
 
 from .gpu.memory import readable
 from .gpu_scene.mipmaps import size_class
+from .scene.gltf_container import read_container
 from .scene.lights import AreaLight, DirectionalLight, Light
 from .scene.load import load_scene
 from .scene.materials import Image, Material, Texture
@@ -125,10 +125,8 @@ def _environment(scene: Scene) -> dict[str, Any]:
 
 def _extensions(path: Path) -> list[str]:
     """The glTF extensions that a file says it uses; it has been loaded and is well formed."""
-    kind, data = path.suffix.lower(), path.read_bytes() if path.suffix.lower() in (".gltf", ".glb") else b""
-    if kind == ".glb":
-        data = data[20 : 20 + int.from_bytes(data[12:16], "little")]  # the JSON chunk (glTF 2.0, section 4.4.3)
-    return list(json.loads(data).get("extensionsUsed", [])) if data else []
+    is_gltf = path.suffix.lower() in (".gltf", ".glb")
+    return read_container(path)[0].strings("extensionsUsed") if is_gltf else []
 
 
 def info_lines(facts: dict[str, Any]) -> Iterator[str]:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..simulator.tonemap import srgb_decode
 from .errors import SceneError
+from .files import check_ordinary, read_file
 from .images import FORMATS, load_image
 from .radiance_hdr import HdrFault, read_hdr
 
@@ -40,12 +41,13 @@ def load_environment_map(path: Path, scale: float, file: Path, place: str, warni
 
 
 def _hdr(path: Path) -> np.ndarray:
-    return read_hdr(path.read_bytes(), MOST_PIXELS)
+    return read_hdr(read_file(path), MOST_PIXELS)
 
 
 def _exr(path: Path) -> np.ndarray:
     import OpenEXR
 
+    check_ordinary(path)
     with path.open("rb"):
         pass  # OpenEXR's own error does not say why a file cannot be opened
     try:

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from .errors import SceneError
+from .files import read_file
 from .image_cache import content_key
 from .images import MAX_PIXELS, ImageSource
 from .lazy_image import LazyImage
@@ -47,7 +48,7 @@ def load_ktx2(source: ImageSource) -> Image:
 
 def _read(source: ImageSource, path: Path) -> bytes:
     try:
-        return path.read_bytes()
+        return read_file(path)
     except FileNotFoundError:
         raise
     except (OSError, ValueError) as error:

@@ -9,6 +9,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 from .errors import SceneError
+from .files import read_file
 from .gltf_json import Fields, parse
 from .gltf_meshopt import is_fallback
 
@@ -21,7 +22,7 @@ def read_container(path: Path) -> tuple[Fields, bytes | None]:
     Which of the two it is, is told from the content. Raises SceneError.
     """
     try:
-        content = path.read_bytes()
+        content = read_file(path)
     except OSError as error:
         remedy = "check the path and the permissions"
         raise SceneError(path, "", f"cannot be read: {error.strerror}", remedy) from error
@@ -106,7 +107,7 @@ def _buffer(fields: Fields, number: int, binary: bytes | None) -> bytes:
     if isinstance(data, Path):
         path = data
         try:
-            data = path.read_bytes()
+            data = read_file(path)
         except (OSError, ValueError) as error:
             reason = error.strerror if isinstance(error, OSError) else error
             raise fields.error(f"'{path}' cannot be read: {reason}", "put the file there") from error

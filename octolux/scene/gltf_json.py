@@ -83,14 +83,14 @@ class Fields:
         value = self._value(key, default)
         if not isinstance(value, str):
             raise self.error(f"'{key}' must be text, is {_show(value)}")
-        return value
+        return _unicode(value)
 
     def strings(self, key: str) -> list[str]:
         values = self._list(key)
         for value in values:
             if not isinstance(value, str):
                 raise self.error(f"'{key}' must be a list of texts, holds {_show(value)}")
-        return values
+        return [_unicode(value) for value in values]
 
     def child(self, key: str) -> Fields | None:
         """The object under `key`, or None when absent."""
@@ -138,6 +138,11 @@ class Fields:
 def _show(value: Any) -> str:
     text = json.dumps(value)
     return text if len(text) <= 40 else text[:37] + "..."
+
+
+def _unicode(text: str) -> str:
+    """The text with "?" for halves of surrogate pairs, which JSON can hold and no file or terminal."""
+    return text.encode("utf-8", "replace").decode()
 
 
 def parse(file: Path, text: bytes) -> Fields:

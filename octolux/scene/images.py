@@ -18,6 +18,7 @@ import numpy as np
 from PIL import Image as Pillow
 
 from .errors import SceneError
+from .files import read_file
 from .image_cache import content_key, is_known_good, remember_good
 from .lazy_image import LazyImage
 from .materials import Image
@@ -56,7 +57,7 @@ def load_image(source: str | Path | bytes, name: str) -> Image:
 
 def _load(source: ImageSource) -> Image:
     try:
-        encoded = source.data if isinstance(source.data, bytes) else source.data.read_bytes()
+        encoded = source.data if isinstance(source.data, bytes) else read_file(source.data)
     except FileNotFoundError:
         raise
     except (OSError, ValueError) as error:

@@ -13,6 +13,7 @@ from typing import Any
 from . import assimp_scene
 from .errors import SceneError
 from .extents import check_extent
+from .files import check_ordinary
 from .gltf import load_gltf
 from .obj import load_obj
 from .scene import Scene
@@ -80,6 +81,7 @@ def _check_readable(path: Path, builtin: list[str]) -> None:
     try:
         if path.is_dir():
             raise SceneError(path, "", "is a directory, not a scene", "name a file in it")
+        check_ordinary(path)
         with path.open("rb"):
             return
     except FileNotFoundError as error:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from .errors import SceneError
+from .files import read_file
 
 # Options of map lines and how many values follow; -o, -s and -t take one to three.
 _OPTIONS = {"-blendu": 1, "-blendv": 1, "-boost": 1, "-bm": 1, "-cc": 1, "-clamp": 1, "-imfchan": 1, "-mm": 2}
@@ -45,7 +46,7 @@ def read_mtl(path: Path) -> dict[str, MtlEntry]:
     """The materials of an MTL file by name, in its order. Raises SceneError with the line; OSError when unreadable."""
     entries: dict[str, MtlEntry] = {}
     current: MtlEntry | None = None
-    for number, line in enumerate(path.read_text("utf-8", errors="replace").splitlines(), start=1):
+    for number, line in enumerate(read_file(path).decode("utf-8", errors="replace").splitlines(), start=1):
         keyword, _, rest = line.partition("#")[0].strip().partition(" ")
         keyword, tab, more = keyword.partition("\t")
         keyword, rest = keyword.lower(), (more + " " + rest if tab else rest).strip()

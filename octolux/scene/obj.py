@@ -11,6 +11,7 @@ import numpy as np
 from . import geometry, mikktspace, obj_materials
 from .assimp import AssimpRefusal, Model, Part, import_model
 from .errors import SceneError
+from .files import NotAFile
 from .meshes import Instance, Mesh
 from .mtl import MtlEntry, read_mtl
 from .obj_faults import find_fault, without_lines
@@ -78,6 +79,9 @@ def _read_libraries(path: Path, warnings: list[str]) -> dict[str, tuple[MtlEntry
         library = obj_materials.find_file(path.parent, written)
         try:
             found = read_mtl(library)
+        except NotAFile as error:  # assimp opens it too, and would wait
+            problem = f"its material library '{written}' is a device or a pipe, not a file"
+            raise SceneError(path, "mtllib", problem, "name an MTL file, or leave the line out") from error
         except (OSError, ValueError) as error:  # ValueError: a zero byte in the name
             reason = error.strerror if isinstance(error, OSError) else error
             warnings.append(f"material library {library} is not read ({reason}); grey stands in")

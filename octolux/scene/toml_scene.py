@@ -18,6 +18,7 @@ from .cameras import Camera
 from .compose import combined, matches, untextured
 from .environment_maps import load_environment_map
 from .errors import SceneError
+from .files import read_file
 from .materials import Material
 from .scene import Environment, Scene
 from .toml_fields import Table, nearest
@@ -77,7 +78,7 @@ def _opened(path: Path) -> Iterator[None]:
 
 def _parsed(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))  # some editors on Windows begin with a mark
+        return tomllib.loads(read_file(path).decode("utf-8-sig"))  # some editors on Windows begin with a mark
     except OSError as error:
         raise SceneError(path, "", f"cannot be read: {error.strerror}", "check the name and the permissions") from error
     except tomllib.TOMLDecodeError as error:
@@ -88,6 +89,8 @@ def _parsed(path: Path) -> dict[str, Any]:
         raise SceneError(path, "", "is not UTF-8 text", "save it as UTF-8") from error
     except RecursionError as error:
         raise SceneError(path, "", "lists or tables are nested too deeply", "write it flatter") from error
+    except ValueError as error:  # an integer of thousands of digits
+        raise SceneError(path, "", "holds a number that is too long to be read", "give it fewer digits") from error
 
 
 def _environment(table: Table, warnings: list[str]) -> Environment:

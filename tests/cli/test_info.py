@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from PIL import Image as Pillow
 
-from octolux.info import scene_facts, size_hint
+from octolux.data import data_folder
+from octolux.info import _extensions, scene_facts, size_hint
 from octolux.scene.builtin import BUILTIN
 
 OBJ = "mtllib m.mtl\nv 0 0 0\nv 3000 0 0\nv 0 2000 0\nvt 0 0\nusemtl leaf\nf 1/1 2/1 3/1\n"
@@ -100,3 +101,37 @@ def test_hints():
     assert "millimetres" in size_hint(60_000)
     assert size_hint(40.0) == size_hint(0.15) == ""
     assert "larger than a metre" in size_hint(0.001)
+
+
+def test_names_are_printed_on_one_line(run, folder):
+    (folder / "m.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    (folder / "a.toml").write_text('[[model]]\nfile = "m.obj"\n[[light]]\ntype = "point"\nposition = [0, 0, 0]\n'
+                                   'intensity = 1\nname = "la\\nmp"\n')  # fmt: skip
+    assert "  la\\nmp: point" in run("info", "a.toml").out
+
+
+def test_a_binary_gltf_by_another_name(run, folder):
+    text = b'{"asset": {"version": "2.0"}, "extensionsUsed": ["X_y"], "meshes": [], "nodes": []}'
+    chunk = struct.pack("<I4s", len(text), b"JSON") + text
+    (folder / "a.gltf").write_bytes(struct.pack("<4sII", b"glTF", 2, 12 + len(chunk)) + chunk)
+    assert _extensions(folder / "a.gltf") == ["X_y"]
+
+
+def test_a_picture_that_is_too_large_is_one_line(run, folder):
+    """Pillow warns of it on stderr in its own words."""
+    (folder / "m.obj").write_text(OBJ)
+    (folder / "m.mtl").write_text("newmtl leaf\nmap_Kd c.ppm\n")
+    (folder / "c.ppm").write_bytes(b"P6 16384 8192 255 \0")
+    result = run("info", "m.obj")
+    assert (result.code, result.err.count("\n")) == (2, 1)
+    assert "16384 x 8192 pixels" in result.err
+
+
+def test_every_broken_file_is_refused(run, folder):
+    broken = data_folder() / "scenes" / "broken"
+    if not broken.is_dir():
+        pytest.skip("needs OCTOLUX_DATA")
+    for scene in sorted(p for p in broken.rglob("*") if p.suffix in {".obj", ".gltf", ".glb"}):
+        result = run("info", str(scene))
+        assert (result.code, result.out, result.err.count("\n")) == (2, "", 1)
+        assert result.err.startswith("error: ") and scene.name in result.err
