@@ -121,9 +121,13 @@ class Picture:
         return self._displayed(self.radiance, np.ones_like(self.alpha), 16)
 
     def cutout(self, bits: int = 8) -> np.ndarray:
-        """The picture without its surroundings: uint8 or uint16 (height, width, 4), straight alpha."""
-        alone = self.radiance - self._surroundings_seen()
-        return self._displayed(alone / np.maximum(self.alpha, 1e-6)[..., None], self.alpha, bits)
+        """The picture without its surroundings: uint8 or uint16 (height, width, 4), straight alpha, and black
+        where that is 0.
+
+        With several samples a pixel, what a map shows behind an edge is taken from the pixel's centre.
+        """
+        alone = np.where(self.alpha[..., None] > 0, self.radiance - self._surroundings_seen(), 0.0)
+        return self._displayed(alone / np.where(self.alpha > 0, self.alpha, 1.0)[..., None], self.alpha, bits)
 
     def _displayed(self, radiance: np.ndarray, alpha: np.ndarray, bits: int) -> np.ndarray:
         signal = tonemap.signal(radiance, self.exposure or 0.0, self.tone_map)
