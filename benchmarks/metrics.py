@@ -4,27 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-TRIMMED_SHARE = 0.03
-"""Share of the masked pixels, those with the largest error, that the trimmed figure leaves out."""
+from octolux.compare.metrics import relative_errors
 
-
-def relative_errors(picture, seed_a, seed_b, mask, reference) -> dict[str, float]:
-    """Ratio of means, relative RMSE and trimmed relative RMSE of `picture` (height, width, 3) where `mask` is set.
-
-    The halves' noise is independent, so mean((x - A) (x - B)) is the mean squared error of x free of the noise's bias;
-    noise may make it negative, which counts as 0. Divided by the masked mean of `reference`, all channels together.
-    Trimmed leaves out the pixels with the largest |x - (A + B) / 2|^2, summed over the channels.
-    """
-    x, a, b, truth = (np.asarray(v, dtype=np.float64)[mask] for v in (picture, seed_a, seed_b, reference))
-    mean = truth.mean()
-    product = (x - a) * (x - b)
-    order = np.argsort(np.sum(np.square(x - 0.5 * (a + b)), axis=-1))
-    kept = order[: round(len(order) * (1.0 - TRIMMED_SHARE))]
-    return {
-        "ratio": float(x.mean() / mean),
-        "rmse": float(np.sqrt(max(product.mean(), 0.0)) / mean),
-        "trimmed": float(np.sqrt(max(product[kept].mean(), 0.0)) / mean),
-    }
+__all__ = ["pixel_errors", "relative_errors"]
 
 
 def pixel_errors(picture, reference, unshadowed) -> np.ndarray:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from . import __version__, cli_options, console
+from .compare.command import compare
 from .output import check_writable, write_json
 from .output.options import FileOptions, layer_names
 from .scene.errors import OctoluxError, one_line
@@ -55,14 +56,6 @@ def _program(
     ] = False,
 ) -> None:
     """Real-time global illumination: render a scene, and see what each stage costs."""
-
-
-def _size(text: str) -> tuple[int, int]:
-    width, _, height = text.lower().partition("x")
-    try:
-        return int(width), int(height)
-    except ValueError:
-        raise OctoluxError(f"--size is WIDTHxHEIGHT in pixels, such as 1280x720, not '{text}'.") from None
 
 
 def _overrides(pairs: list[str]) -> dict[str, str]:
@@ -133,7 +126,7 @@ def _plan(out: list[Path], frames: str | None, fps: float, size: str, options: F
     if not math.isfinite(fps):
         raise OctoluxError(f"--fps is a number of frames a second, not {fps}.")
     targets = tuple(map(Target, out or [Path("octolux.png")]))
-    return Plan(targets, frame_range(frames or "1"), fps, _size(size), options, resume)
+    return Plan(targets, frame_range(frames or "1"), fps, cli_options.size_of(size), options, resume)
 
 
 def _make(plan: Plan, timeline: Timeline, stats: Path | None) -> None:
@@ -151,6 +144,9 @@ def _make(plan: Plan, timeline: Timeline, stats: Path | None) -> None:
     if stats:
         write_json(statistics, stats)
     console.print_statistics(statistics)
+
+
+app.command(cls=console.GroupedCommand)(compare)
 
 
 @app.command()
@@ -187,6 +183,25 @@ def info(
     facts = scene_facts(scene)
     lines = [json.dumps(facts, indent=1)] if as_json else [one_line(line, _WIDEST) for line in info_lines(facts)]
     typer.echo("\n".join(lines))
+
+
+@app.command(cls=console.GroupedCommand)
+def export(
+    scene: cli_options.Scene,
+    out: cli_options.Exported,
+    size: cli_options.Size = "1280x720",
+    camera: cli_options.CameraName = None,
+    time: cli_options.Time = 0.0,
+    clip: cli_options.Clip = None,
+    default_light: cli_options.DefaultLight = True,
+    samples: cli_options.Samples = 64,
+) -> None:
+    """Write SCENE for Mitsuba 3: OUT.xml, and meshes and pictures beside it."""
+    from .export.command import export_scene
+
+    for note in export_scene(scene, out, camera, cli_options.size_of(size), time, clip, default_light, samples):
+        console.warn(note)
+    console.out.print(f"wrote {out}", markup=False, soft_wrap=True)
 
 
 @app.command()

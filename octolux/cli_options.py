@@ -1,4 +1,4 @@
-"""The options of `octolux render`: what each is called, allows and means."""
+"""The options of `octolux render` and `export`: what each is called, allows and means."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import typer
 
 from .frame.anti_aliasing import MAX_SAMPLES, STILL_SAMPLES
 from .output.options import LAYERS
+from .scene.errors import OctoluxError
 from .simulator.tonemap import TONE_MAPS
 
 _LIGHT, _VIEW, _TIME, _FILES = "Light", "View and display", "Sequences", "Files"
@@ -69,3 +70,16 @@ Layers = Annotated[
     str | None, _option(_FILES, "A,B,...", f"Layers of .exr and .npz, of {', '.join(LAYERS)}; all by default.")
 ]
 Stats = Annotated[Path | None, _option(_FILES, "FILE", "Write times, memory and energy as JSON.")]
+
+Exported = Annotated[Path, typer.Argument(metavar="OUT", help="An .xml file; what it names goes into OUT_files.")]
+Time = Annotated[float, _option(_TIME, "SECONDS", "The scene as it is then.")]
+Samples = Annotated[int, _option(_FILES, "N", "Samples a pixel that the file asks for.", min=1, max=2**24)]
+
+
+def size_of(text: str) -> tuple[int, int]:
+    """The (width, height) that `1280x720` names. Raises OctoluxError."""
+    width, _, height = text.lower().partition("x")
+    try:
+        return int(width), int(height)
+    except ValueError:
+        raise OctoluxError(f"--size is WIDTHxHEIGHT in pixels, such as 1280x720, not '{text}'.") from None
