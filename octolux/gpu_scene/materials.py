@@ -84,6 +84,7 @@ class MaterialTable:
             "uv_transforms": any(t.transform != IDENTITY_UV for t in used),
             "emissive": any(max(m.emissive) > 0 or m.unlit for m in materials),
             "unlit": any(m.unlit for m in materials),
+            "cut": any(m.alpha_mode != "opaque" for m in materials),
             "blended": any(m.alpha_mode == "blend" for m in materials),
         }
 
