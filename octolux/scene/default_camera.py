@@ -7,6 +7,7 @@ from math import radians, tan
 import numpy as np
 
 from .cameras import Camera, look_at
+from .errors import OctoluxError
 from .scene import Scene
 
 _FOV = radians(35.0)
@@ -32,3 +33,19 @@ def default_camera(scene: Scene, aspect: float = 16 / 9) -> Camera:
     distance = max(float((z + beyond).max()), size * 1e-2)
     position = centre + axes[:, 2] * distance
     return Camera.look_at(position, centre, vertical_fov=_FOV, near=size * 1e-3, name="default")
+
+
+def chosen_camera(scene: Scene, wanted: str | int | Camera | None, aspect: float = 16 / 9) -> Camera:
+    """A camera of the scene by name or number, the first one for None, or `wanted` itself; the default one where the
+    scene has none. Raises OctoluxError for one that is not there."""
+    if isinstance(wanted, Camera):
+        return wanted
+    cameras = scene.cameras or [default_camera(scene, aspect)]
+    names = [c.name for c in cameras]
+    if isinstance(wanted, str) and wanted in names:
+        return cameras[names.index(wanted)]
+    number = 0 if wanted is None else int(wanted) if str(wanted).isdecimal() else -1
+    if not 0 <= number < len(cameras):
+        known = ", ".join(f"{i} '{name}'" for i, name in enumerate(names))
+        raise OctoluxError(f"The scene has no camera '{wanted}'. There are: {known}.")
+    return cameras[number]
