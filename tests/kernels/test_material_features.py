@@ -134,7 +134,7 @@ def test_a_transform_is_that_of_the_coordinates(device, name):
 
 
 def test_a_stretch_takes_the_coarser_level(device):
-    """u stays and v is stretched by 4: the level is right for a footprint that is even, log2(4) above that of u. Where v
+    """u stays and v is stretched by 4: the level is right for an even footprint, log2(4) above that of u. Where v
     changes eight times less than u that is two levels too coarse, never too fine (a level of noise halves it)."""
     image, flat = noise_image(), UVS * [1, 1 / 7]
     found = albedo_of(device, image, flat, (1.0, 0.0, 0.0, 0.0, 4.0, 0.0))
