@@ -14,7 +14,7 @@ from octolux.scene.builtin.shapes import box, quad
 from octolux.scene.cameras import Camera
 from octolux.scene.daylight import sun as sun_light
 from octolux.scene.daylight import to_sun
-from octolux.scene.lights import AreaLight, DirectionalLight, PointLight, SpotLight
+from octolux.scene.lights import DirectionalLight, PointLight, SpotLight
 from octolux.scene.load import load_scene
 from octolux.scene.materials import Material
 from octolux.scene.meshes import Instance, Mesh
@@ -33,8 +33,8 @@ WALL = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
 
 
 def render(device, scene, technique="uniform-lpv", camera=None, size=(24, 16), **rest):
-    """A picture without the default sun and sky, in which the surroundings are seen but light nothing."""
-    settings = small_settings(sky_lights=0)
+    """A picture without the default sun and sky, in which the surroundings and what glows are seen but light nothing."""
+    settings = small_settings(sky_lights=0, emitter_lights=0)
     rest = {"default_light": False, **rest}
     renderer = Renderer(scene, technique, size=size, device=device, frame_settings=settings, **rest)
     return renderer.render(camera or front_camera())
@@ -99,17 +99,6 @@ def test_a_flat_scene_has_a_volume(device):
     """A single quad has no depth, and a single point light above it lights it."""
     picture = render(device, scene_of([quad(WALL)], lights=LIGHTS[:1]))
     assert picture.mask.any() and np.isfinite(picture.radiance).all()
-
-
-def test_area_lights_are_named_as_left_out(device):
-    light = AreaLight(corners=((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)), radiance=(1, 1, 1), name="window")
-    renderer = Renderer(scene_of([quad(WALL)], lights=[light]), "none", size=(8, 8), device=device)
-    window, dark = renderer.warnings  # the light that is left out, and that none is left
-    assert "'window'" in window and "no light" in dark
-    renderer.scene.lights.append(LIGHTS[0])
-    assert renderer.warnings == [window]
-    renderer.scene.lights.pop()
-    assert not renderer.render(front_camera()).radiance.any()
 
 
 def test_furnace_glows_alike_everywhere(device):
