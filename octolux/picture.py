@@ -44,7 +44,9 @@ class Picture:
         self.display = device.read_texture(t.display, np.uint8, 4)
         self._surface = device.read_texture(t.surface, np.uint32, 4)
         self._depth = device.read_texture(t.depth, np.float32, 1)[..., 0]
-        self._direct = device.read_texture(t.direct, np.float32, 4)[..., :3]
+        direct = device.read_texture(t.direct, np.float32, 4)
+        self._direct, self._noise = direct[..., :3], direct[..., 3] if frame.noise else None
+        self._indirect = device.read_texture(frame.indirect, np.float32, 4)[..., :3] if frame.indirect else None
         self._irradiance = self._optional(device, frame.irradiance)
         self._specular = self._optional(device, frame.specular)
         emissive = t.emissive if frame.gpu_scene.has_emission else None
@@ -64,6 +66,11 @@ class Picture:
     def rgb(self) -> np.ndarray:
         """float32 (height, width, 3), nits."""
         return self.radiance
+
+    @property
+    def noise(self) -> np.ndarray | None:
+        """Standard error of the pixels' luminance, nits, float32 (height, width); None for techniques without noise."""
+        return self._noise
 
     @property
     def mask(self) -> np.ndarray:
@@ -99,11 +106,12 @@ class Picture:
         albedo = base * (1 - metallic[..., None])
         irradiance = self._irradiance[..., :3] * self._irradiance[..., 3:]
         specular = self._specular[..., :3]
+        gathered = albedo / np.float32(pi) * irradiance + specular
         normal = np.where(mask[..., None], unpack_normals(s[..., 0]), 0).astype(np.float32)
         return {
             "radiance": self.radiance,
             "direct": self._direct,
-            "indirect": (albedo / np.float32(pi) * irradiance + specular) * mask[..., None],
+            "indirect": self._indirect if self._indirect is not None else gathered * mask[..., None],
             "irradiance": irradiance,
             "specular": specular,
             "emissive": self._emissive[..., :3],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -51,6 +52,8 @@ class Renderer:
     default_light: let sun and sky shine where nothing in the scene does.
     device: share one between renderers; profile: time each stage (adds a wait per stage where timestamps are wrong).
 
+    `progress`, where set, is told how much of a long frame is done, of how much, and returns whether to go on: what is
+    there then is the picture.
     `previous` is the scene of the frame before, from which the layer `motion` is made; it is kept up by `render`.
     Raises OctoluxError for an unknown technique, a bad size or a device that is missing or full.
     """
@@ -67,6 +70,9 @@ class Renderer:
         _check_exposure(self.exposure)
         _check_tone_map(tone_map)
         self.samples, self._filtered = samples_of(anti_aliasing, sequence)
+        if chosen.replaces_direct:  # it takes its own samples of a pixel
+            self.samples, self._filtered = 1, False
+        self.progress: Callable[[int, int], bool] | None = None
         self.default_light = default_light
         self.previous: Scene | None = None
         self._by_hand: Camera | None = None  # the camera of the frame before, where it was none of the scene's
@@ -121,7 +127,7 @@ class Renderer:
         """Set the exposure from the mean luminance of what `camera` sees, for all frames that follow; returns EV100."""
         off = Profiler(self.device, "off")  # a frame that is not shown is none of those timed
         with self.device.guard():
-            frame = self._begin(camera, 1, off)
+            frame = self._begin(camera, 1, off, metering=True)
             with off.frame():
                 self._draw(frame)
             luminance = Picture(self.device, frame, 0.0).mean_luminance()
@@ -138,7 +144,8 @@ class Renderer:
             self._gbuffer.run(frame)
             if sample == 0:
                 self._light(frame)
-            self._direct.run(frame, self._shadow_maps.sampler, self._surroundings)
+            if not self.technique.replaces_direct:
+                self._direct.run(frame, self._shadow_maps.sampler, self._surroundings)
             self.technique.shade(frame)
             self._composite.run(frame, self._exposure_factor(), self._surroundings)
         if self._fxaa:
@@ -148,12 +155,15 @@ class Renderer:
         """What all samples of a frame share: shadow maps and the technique's light cache."""
         technique = self.technique
         technique.prepare(frame)
-        self._shadow_maps.run(frame, ids="rsm" in technique.needs)
+        if not technique.replaces_direct:
+            self._shadow_maps.run(frame, ids="rsm" in technique.needs)
         if "rsm" in technique.needs:
             self._rsm.run(frame, self._shadow_maps)
         technique.update(frame)
 
-    def _begin(self, wanted: str | int | Camera | None, samples: int, profiler: Profiler) -> Frame:
+    def _begin(
+        self, wanted: str | int | Camera | None, samples: int, profiler: Profiler, metering: bool = False
+    ) -> Frame:
         settings, gpu_scene = self.frame_settings, self.gpu_scene
         scene = self._lit(self.scene)
         gpu_scene.sync(scene)
@@ -164,7 +174,9 @@ class Renderer:
             self._shadow_maps = ShadowMapPass(self.device, visibility)
             self._rsm = RSMPass(self.device, gpu_scene, settings)
             self._passes_of = gpu_scene.version
-        soft: list[Light] = [*self._emitters(scene), *self._surroundings.lights(settings.sky_lights)]
+        soft: list[Light] = []
+        if not self.technique.replaces_direct:
+            soft = [*self._emitters(scene), *self._surroundings.lights(settings.sky_lights)]
         resolutions = (settings.shadow_resolution, settings.coarse_resolution)
         lights = light_set([*scene.lights, *soft], gpu_scene.bounds, *resolutions)
         views = [self._view(self._camera(wanted, scene)), *lights.views]
@@ -172,7 +184,8 @@ class Renderer:
         buffers = self._buffers.upload(lights, views, draws)
         return Frame(
             self.device, profiler, scene, gpu_scene, settings, self.targets, lights, views, draws, buffers,
-            samples=samples,
+            samples=samples, exposure_factor=self._exposure_factor(), metering=metering, progress=self.progress,
+            surroundings_map=self._surroundings,
         )  # fmt: skip
 
     def _view(self, camera: Camera) -> View:

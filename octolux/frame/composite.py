@@ -14,7 +14,7 @@ from .structs import COMPOSITE, ENVIRONMENT, VIEW, views_binding
 
 # The shader's name of each tone map of simulator/tonemap.py.
 _FUNCTIONS = {"none": "clipped", "neutral": "neutral_tone_map", "agx": "agx", "aces": "aces"}
-_INPUTS = ("emissive_map", "irradiance_map", "specular_map")
+_INPUTS = ("emissive_map", "irradiance_map", "specular_map", "given_map")
 
 
 class CompositePass:
@@ -49,7 +49,7 @@ class CompositePass:
         self.device.write(self._settings, COMPOSITE.pack(exposure=exposure, weight=1.0 / frame.samples))
         t, first, last = frame.targets, frame.sample == 0, frame.sample == frame.samples - 1
         emissive = t.emissive if frame.gpu_scene.has_emission else None
-        optional = dict(zip(_INPUTS, (emissive, frame.irradiance, frame.specular), strict=True))
+        optional = dict(zip(_INPUTS, (emissive, frame.irradiance, frame.specular, frame.radiance), strict=True))
         inputs: dict[str, Any] = {name: texture for name, texture in optional.items() if texture is not None}
         variant = self._variant(frozenset(inputs), first, last)
         if not first:

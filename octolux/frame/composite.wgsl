@@ -6,6 +6,9 @@
 {{ use("shaders/environment.wgsl") }}
 
 // Radiance, and 1 where a surface is seen.
+{% if given %}
+fn seen(pixel: vec2u) -> vec4f { return textureLoad(given_map, pixel, 0); }
+{% else %}
 fn seen(pixel: vec2u) -> vec4f {
     if textureLoad(depth_map, pixel, 0).x <= 0.0 {
         return vec4f(environment_radiance(normalize(view_ray(views[0], vec2f(pixel) + 0.5).direction)), 0.0);
@@ -25,6 +28,7 @@ fn seen(pixel: vec2u) -> vec4f {
     {% endif %}
     return vec4f(radiance, 1.0);
 }
+{% endif %}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) pixel: vec3u) {

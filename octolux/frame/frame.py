@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -88,7 +89,12 @@ class Frame:
     [layer][row][column], of which vpl_ranges says first and number.
     irradiance: rgba32float texture a technique writes: irradiance before albedo, and ambient visibility in alpha;
     specular: radiance already weighted by the BRDF. None is black.
+    radiance: rgba32float texture of a technique that makes the whole picture: radiance, and coverage in alpha;
+    `indirect` is then its part of it, and the targets' direct light is the technique's; noise: whether its alpha is the
+    standard error of the pixel's luminance.
     sample, samples: which of the samples of each pixel is being made, and of how many.
+    exposure_factor: from nits to the picture's unit.  metering: the frame is only made to set the exposure.
+    progress: told how much of a long frame is done, of how much; it returns whether to go on.
     """
 
     device: Device
@@ -107,8 +113,15 @@ class Frame:
     vpl_ranges: list[tuple[int, int]] = field(default_factory=list)
     irradiance: Any = None
     specular: Any = None
+    radiance: Any = None
+    indirect: Any = None
+    noise: bool = False
     sample: int = 0
     samples: int = 1
+    exposure_factor: float = 1.0
+    metering: bool = False
+    progress: Callable[[int, int], bool] | None = None
+    surroundings_map: Any = None
 
     @property
     def surroundings(self) -> Environment:

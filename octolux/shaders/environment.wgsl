@@ -43,6 +43,7 @@ fn environment_lobe(d: vec3f, alpha: f32) -> vec3f {
     let coarse = min(fine + 1, i32(environment.levels) - 1);
     return environment.radiance + mix(map_texel(uv, fine), map_texel(uv, coarse), fract(level));
 }
+{% endif %}
 
 // simulator/environment.py, brdf_table.
 fn even_reflection(roughness: f32, n_v: f32) -> vec3f {
@@ -55,4 +56,3 @@ fn even_reflection(roughness: f32, n_v: f32) -> vec3f {
     let lower = mix(textureLoad(brdf_table, vec2i(low.x, high.y), 0), textureLoad(brdf_table, high, 0), part.x);
     return mix(upper, lower, part.y).rgb;
 }
-{% endif %}

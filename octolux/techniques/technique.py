@@ -15,6 +15,7 @@ class Technique(ABC):
 
     name: for `--technique`.  summary: one line for people.  needs: shared things it reads ("rsm").
     supports: what it handles ("dynamic geometry", "dynamic lights", "glossy", ...).
+    replaces_direct: it makes the whole picture, with direct light and what is seen of the surroundings.
     label: what the labels of its resources begin with; "" where it has none.
     """
 
@@ -23,6 +24,7 @@ class Technique(ABC):
     settings_class: ClassVar[type[Settings]]
     needs: ClassVar[frozenset[str]] = frozenset()
     supports: ClassVar[frozenset[str]] = frozenset()
+    replaces_direct: ClassVar[bool] = False
     label: ClassVar[str] = ""
 
     def __init__(self, device: Device, settings: Settings):
