@@ -33,7 +33,7 @@ WALL = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
 
 
 def render(device, scene, technique="uniform-lpv", camera=None, size=(24, 16), **rest):
-    """A picture without default sun and sky, in which the surroundings and what glows are seen but light nothing."""
+    """A picture without the default sun and sky; the surroundings and what glows are seen but light nothing."""
     settings = small_settings(sky_lights=0, emitter_lights=0)
     rest = {"default_light": False, **rest}
     renderer = Renderer(scene, technique, size=size, device=device, frame_settings=settings, **rest)
