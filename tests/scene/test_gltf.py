@@ -14,7 +14,10 @@ from octolux.scene.gltf import load_gltf
 from octolux.scene.gltf_extensions import UvUse
 from octolux.scene.lights import DirectionalLight, PointLight, SpotLight
 
+pytestmark = pytest.mark.covers("model .gltf")
 
+
+@pytest.mark.covers("glTF nodes")
 def test_hierarchy_is_flattened_and_mirroring_kept(gltf):
     gltf.triangle()
     gltf.json["nodes"] = [
@@ -29,6 +32,7 @@ def test_hierarchy_is_flattened_and_mirroring_kept(gltf):
     np.testing.assert_allclose(instance.transform @ (1, 0, 0, 1), (1, 0, 3, 1), atol=1e-12)
 
 
+@pytest.mark.covers("glTF nodes")
 def test_matrices_are_column_major_and_only_the_shown_scene_is_taken(gltf):
     gltf.triangle()
     gltf.json["nodes"] = [{"mesh": 0}, {"mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 7, 8, 9, 1]}]
@@ -37,6 +41,7 @@ def test_matrices_are_column_major_and_only_the_shown_scene_is_taken(gltf):
     np.testing.assert_allclose(instance.transform[:3, 3], (7, 8, 9))
 
 
+@pytest.mark.covers("glTF triangle strips and fans")
 @pytest.mark.parametrize(
     ("mode", "expected"),
     [(4, [[0, 1, 2]]), (5, [[0, 1, 2], [1, 3, 2], [2, 3, 4]]), (6, [[1, 2, 0], [2, 3, 0], [3, 4, 0]])],
@@ -62,6 +67,7 @@ def test_points_and_lines_are_left_out_with_a_warning(gltf):
     ]
 
 
+@pytest.mark.covers("glTF interleaved and normalized attributes", "glTF sparse accessors")
 def test_interleaved_normalized_and_sparse_attributes(gltf):
     gltf.triangle()
     vertex = np.dtype([("normal", "<f4", 3), ("uv", "<u2", 2)])
@@ -86,6 +92,7 @@ def test_interleaved_normalized_and_sparse_attributes(gltf):
     np.testing.assert_allclose(mesh.tangents, [[1, 0, 0, 1]] * 3, atol=1e-6)
 
 
+@pytest.mark.covers("model .glb", "glTF embedded data", "image PNG")
 def test_glb_with_embedded_image(gltf, picture):
     gltf.triangle()
     png = np.frombuffer(picture("t.png", (9, 8, 7)).read_bytes(), np.uint8)
@@ -110,6 +117,7 @@ def test_glb_with_embedded_image(gltf, picture):
     assert len(scene.materials) == 1
 
 
+@pytest.mark.covers("glTF embedded data")
 def test_data_uris_and_encoded_file_names(gltf, picture):
     gltf.triangle()
     png = base64.b64encode(picture("my picture.png", (1, 2, 3)).read_bytes()).decode()
@@ -160,6 +168,7 @@ def test_materials(gltf):
     assert (default.metallic, default.roughness) == (1.0, 1.0)
 
 
+@pytest.mark.covers("glTF cameras", "glTF KHR_lights_punctual")
 def test_cameras_lose_scale_and_lights_keep_their_units(gltf):
     gltf.triangle()
     turn = [0, 0.5**0.5, 0, 0.5**0.5]  # by 90 degrees about y: -z becomes -x
@@ -192,6 +201,7 @@ def test_cameras_lose_scale_and_lights_keep_their_units(gltf):
     assert (spot.inner_angle, spot.outer_angle) == (0.1, 0.2)
 
 
+@pytest.mark.covers("glTF KHR_texture_transform")
 def test_texture_transform_scales_then_turns_counter_clockwise_then_moves():
     # v points down, so that a counter-clockwise quarter turn takes (2, 0), to the right, to (0, -2), upwards.
     use = UvUse(0, (0.5, 0.25), pi / 2, (2.0, 1.0))

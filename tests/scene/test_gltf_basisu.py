@@ -45,6 +45,7 @@ def test_basis(gltf, name):
     np.testing.assert_allclose(image.pixels[1::4, 1::4].astype(int), expected, atol=tolerance)
 
 
+@pytest.mark.covers("glTF KHR_texture_basisu", "image KTX2", broken=True)
 @needs_decoder
 @pytest.mark.parametrize(
     ("change", "problem"),
@@ -68,6 +69,7 @@ def test_broken_basis(gltf, change, problem):
     assert problem in error.problem
 
 
+@pytest.mark.covers("glTF KHR_texture_basisu", "image KTX2", broken=True)
 @needs_decoder
 def test_missing_basis_picture(gltf):
     basis_model(gltf, None)
@@ -76,6 +78,7 @@ def test_missing_basis_picture(gltf):
     assert "picture.ktx2 is missing" in scene.warnings[0]
 
 
+@pytest.mark.covers("glTF KHR_texture_basisu")
 def test_basis_without_its_decoder(gltf, picture, monkeypatch):
     monkeypatch.setattr(gltf_basisu, "opengl_basisu", None)
     picture("plain.png", (1, 2, 3))
@@ -87,6 +90,7 @@ def test_basis_without_its_decoder(gltf, picture, monkeypatch):
     assert "opengl-basisu" in error_of(gltf.write()).remedy
 
 
+@pytest.mark.covers("glTF KHR_texture_basisu", "image KTX2", broken=True)
 @needs_decoder
 @pytest.mark.parametrize("name", ["etc1s", "uastc-zstd"])
 def test_mutated_basis(gltf, name):

@@ -47,6 +47,7 @@ def read_at(mesh, texture) -> np.ndarray:
     return mesh.uvs.astype(np.float64) @ np.array([[a, d], [b, e]]) + (c, f)
 
 
+@pytest.mark.covers("glTF KHR_texture_transform")
 def test_each_slot_is_read_where_its_own_transform_says(textured):
     transforms = {
         "base": {"scale": [4, 2], "offset": [0.5, 0]},
@@ -77,6 +78,7 @@ def test_each_slot_is_read_where_its_own_transform_says(textured):
     np.testing.assert_allclose(mesh.tangents[0, :2], tangent / np.linalg.norm(tangent), atol=1e-6)
 
 
+@pytest.mark.covers("glTF KHR_texture_transform")
 def test_without_a_normal_map_the_first_slot_is_baked(textured):
     shared = {"scale": [3, 3], "offset": [0.25, 0]}
     _, mesh, material = textured(
@@ -87,6 +89,7 @@ def test_without_a_normal_map_the_first_slot_is_baked(textured):
     np.testing.assert_array_equal(mesh.tangents, [[0, 1, 0, 1]] * 3)  # the file's: u and v keep their directions
 
 
+@pytest.mark.covers("glTF KHR_texture_transform")
 def test_a_transform_that_cannot_be_undone_stays_with_its_slot(textured):
     _, mesh, material = textured({"normalTexture": slot(scale=[0, 1]), "emissiveTexture": slot(scale=[2, 2])})
     np.testing.assert_array_equal(mesh.uvs, textured.uvs)
@@ -100,6 +103,7 @@ def test_different_sets_of_coordinates_are_noted(textured):
     np.testing.assert_array_equal(mesh.uvs, textured.uvs[::-1])
 
 
+@pytest.mark.covers("glTF KHR_materials_unlit", "glTF KHR_materials_specular")
 def test_unlit_and_specular(gltf):
     gltf.triangle()
     gltf.json["extensionsRequired"] = ["KHR_materials_unlit", "KHR_materials_specular"]
@@ -116,6 +120,7 @@ def test_unlit_and_specular(gltf):
     assert scene.warnings == ["material 1: specularColorFactor of KHR_materials_specular is left out"]
 
 
+@pytest.mark.covers("glTF KHR_materials_pbrSpecularGlossiness")
 def test_metallic_and_base_solve_the_equations_of_the_conversion():
     random = np.random.default_rng(5)
     base, metallic = random.random((500, 1)) * np.ones(3), random.random(500)  # greys: brightness is linear in them
@@ -128,6 +133,7 @@ def test_metallic_and_base_solve_the_equations_of_the_conversion():
     assert not found_metallic[~shining].any()
 
 
+@pytest.mark.covers("glTF KHR_materials_pbrSpecularGlossiness")
 def test_specular_glossiness_textures_are_converted_texel_by_texel(gltf, picture):
     random = np.random.default_rng(6)
     diffuse = random.integers(0, 256, (8, 4, 4), np.uint8)
@@ -164,6 +170,7 @@ def test_specular_glossiness_textures_are_converted_texel_by_texel(gltf, picture
     np.testing.assert_allclose(rough.pixels[..., 1], 255 - lower[..., 3] * 0.5, atol=0.51)
 
 
+@pytest.mark.covers("glTF KHR_materials_pbrSpecularGlossiness")
 def test_images_of_different_sizes_become_as_large_as_the_larger(gltf, picture):
     picture("1.png", np.full((4, 2, 4), (255, 255, 255, 51), np.uint8))
     picture("0.png", (0, 0, 0), (8, 2))
@@ -182,6 +189,7 @@ def test_images_of_different_sizes_become_as_large_as_the_larger(gltf, picture):
     assert (rough.pixels == (0, 204, 255, 255)).all()
 
 
+@pytest.mark.covers("glTF KHR_materials_pbrSpecularGlossiness")
 def test_without_a_diffuse_texture_the_factor_alone_is_converted(gltf, picture):
     picture("1.png", np.full((4, 4, 4), (0, 0, 0, 255), np.uint8))
     gltf.triangle()

@@ -12,6 +12,8 @@ from compressed import POSITIONS, TRIANGLES, corners, error_of, outcomes
 
 from octolux.scene.gltf import load_gltf
 
+pytestmark = pytest.mark.covers("glTF EXT_meshopt_compression")
+
 
 def meshopt_view(gltf, array: np.ndarray, mode: str, version: int = 0, **more) -> dict:
     """Appends a compressed buffer view with its accessor; returns the extension."""
@@ -63,6 +65,7 @@ def test_meshopt(gltf):
     assert corners(mesh.positions, mesh.indices) == corners(POSITIONS, TRIANGLES)
 
 
+@pytest.mark.covers("glTF KHR_meshopt_compression")
 def test_meshopt_sequence_of_indices_and_the_newer_name(gltf):
     meshopt_model(gltf)
     meshopt_view(gltf, TRIANGLES.ravel(), "INDICES")
@@ -119,6 +122,7 @@ def test_quaternion_filter(gltf):
     np.testing.assert_allclose(turned[1:3, 1:3], expected, atol=2e-4)  # 2^-15 in a component, twice in an angle
 
 
+@pytest.mark.covers("glTF EXT_meshopt_compression", broken=True)
 @pytest.mark.parametrize(
     ("key", "value", "problem"),
     [
@@ -148,6 +152,7 @@ def test_wrong_meshopt_extension(gltf, key, value, problem):
     assert problem in error.problem
 
 
+@pytest.mark.covers("glTF EXT_meshopt_compression", broken=True)
 def test_meshopt_bomb(gltf):
     """A count that a short view may well hold: zeros are two bits for each byte of 256 elements."""
     extension = meshopt_model(gltf)[0]
@@ -156,6 +161,7 @@ def test_meshopt_bomb(gltf):
     assert "when decompressed" in error_of(write_meshopt(gltf)).problem
 
 
+@pytest.mark.covers("glTF EXT_meshopt_compression", broken=True)
 def test_wrong_meshopt_triangles(gltf):
     extension = meshopt_model(gltf)[1]
     extension["filter"] = "EXPONENTIAL"
@@ -166,12 +172,14 @@ def test_wrong_meshopt_triangles(gltf):
     assert "whole triangles" in error_of(write_meshopt(gltf)).problem
 
 
+@pytest.mark.covers("glTF EXT_meshopt_compression", broken=True)
 def test_a_buffer_that_stands_in_holds_nothing(gltf):
     meshopt_model(gltf)
     del gltf.json["bufferViews"][0]["extensions"]
     assert "buffer 1 has 0" in error_of(write_meshopt(gltf)).problem
 
 
+@pytest.mark.covers("glTF EXT_meshopt_compression", broken=True)
 def test_mutated_meshopt(gltf):
     meshopt_model(gltf)
     model = write_meshopt(gltf)

@@ -15,6 +15,7 @@ ATOL = 1e-6  # a few roundings of float32 numbers of about 1
 HALFWAY_X = (sin(pi / 8), 0.0, 0.0, cos(pi / 8))
 
 
+@pytest.mark.covers("glTF nodes")
 def test_nodes_come_with_parents_before_children_and_instances_name_them(gltf):
     gltf.triangle()
     gltf.json["nodes"] = [{"mesh": 0, "name": "leaf", "translation": [1, 0, 0]}, {"name": "root", "children": [2]},
@@ -26,6 +27,7 @@ def test_nodes_come_with_parents_before_children_and_instances_name_them(gltf):
     np.testing.assert_allclose(scene.instances[0].transform[:3, 3], (2, 0, 0))
 
 
+@pytest.mark.covers("glTF vertex colours")
 @pytest.mark.parametrize("dtype", [np.float32, np.uint8, np.uint16])
 @pytest.mark.parametrize("width", [3, 4])
 def test_vertex_colours(gltf, dtype, width):
@@ -40,6 +42,7 @@ def test_vertex_colours(gltf, dtype, width):
     np.testing.assert_array_equal(mesh.colors[:, 3], [1, 0, 1] if width == 4 else [1, 1, 1])
 
 
+@pytest.mark.covers("glTF skins")
 def test_a_skin_bends_by_a_quarter(gltf):
     add_strip(gltf)
     add_animation(gltf, 2, "rotation", [0, 1, 2], [(0, 0, 0, 1), QUARTER_X, QUARTER_X])
@@ -55,6 +58,7 @@ def test_a_skin_bends_by_a_quarter(gltf):
     assert bent.instances[0] is instance
 
 
+@pytest.mark.covers("glTF skins")
 def test_the_first_pose_is_that_of_the_nodes_and_not_that_of_the_file(gltf):
     add_strip(gltf)
     gltf.json["nodes"][2]["rotation"] = QUARTER_X
@@ -63,6 +67,7 @@ def test_the_first_pose_is_that_of_the_nodes_and_not_that_of_the_file(gltf):
     np.testing.assert_allclose(scene.meshes[0].deformable.positions, POSITIONS)
 
 
+@pytest.mark.covers("glTF skins")
 def test_joints_place_a_skinned_mesh_and_its_own_node_does_not(gltf):
     add_strip(gltf)
     gltf.json["nodes"][0] |= {"translation": [50, 0, 0], "scale": [9, 9, 9]}
@@ -72,6 +77,7 @@ def test_joints_place_a_skinned_mesh_and_its_own_node_does_not(gltf):
     np.testing.assert_allclose(scene.meshes[0].positions, POSITIONS + np.array([0, 0, 3]), atol=ATOL)
 
 
+@pytest.mark.covers("glTF skins")
 def test_a_mirrored_figure_shows_its_front(gltf):
     add_strip(gltf)
     gltf.json["nodes"] += [{"children": [0, 1], "scale": [-1, 1, 1], "translation": [5, 0, 0]}]
@@ -84,6 +90,7 @@ def test_a_mirrored_figure_shows_its_front(gltf):
     np.testing.assert_allclose(mesh.normals @ instance.transform[:3, :3], [[0, 0, 1]] * 6, atol=ATOL)
 
 
+@pytest.mark.covers("glTF skins")
 def test_without_inverse_bind_matrices_vertices_are_in_the_joints_spaces(gltf):
     add_strip(gltf)
     del gltf.json["skins"][0]["inverseBindMatrices"]
@@ -92,6 +99,7 @@ def test_without_inverse_bind_matrices_vertices_are_in_the_joints_spaces(gltf):
     np.testing.assert_allclose(scene.meshes[0].positions[:, 1], POSITIONS[:, 1] + raised, atol=ATOL)
 
 
+@pytest.mark.covers("glTF skins")
 def test_more_sets_of_weights_that_do_not_sum_to_one(gltf):
     attributes = add_strip(gltf)["attributes"]
     joints, weights = np.zeros((6, 4), np.uint16), np.zeros((6, 4), np.uint8)
@@ -104,6 +112,7 @@ def test_more_sets_of_weights_that_do_not_sum_to_one(gltf):
     np.testing.assert_allclose(mesh.deformable.weights.sum(axis=1), 1, atol=ATOL)
 
 
+@pytest.mark.covers("glTF skins")
 def test_numbers_beside_weights_of_zero_do_not_count_and_vertices_without_weight_follow_the_first_joint(gltf):
     attributes = add_strip(gltf)["attributes"]
     joints = np.full((6, 4), 99, np.uint8)
@@ -116,6 +125,7 @@ def test_numbers_beside_weights_of_zero_do_not_count_and_vertices_without_weight
     assert any("1 vertices have no weight" in line for line in scene.warnings)
 
 
+@pytest.mark.covers("glTF skins")
 def test_nodes_that_share_a_deformed_mesh_get_their_own(gltf):
     add_strip(gltf)
     gltf.json["nodes"] += [{"mesh": 0}, {"mesh": 0}, {"mesh": 0, "skin": 1}, {"translation": [0, 0, 7]}]
@@ -143,6 +153,7 @@ def morphed(gltf, **more) -> None:
     gltf.json["meshes"][0] |= more
 
 
+@pytest.mark.covers("glTF morph targets")
 def test_weights_of_the_node_go_before_those_of_the_mesh(gltf):
     morphed(gltf, weights=[0.5, 0])
     gltf.json["nodes"] = [{"mesh": 0}, {"mesh": 0, "weights": [0, 0.25]}]
@@ -153,6 +164,7 @@ def test_weights_of_the_node_go_before_those_of_the_mesh(gltf):
     assert first.indices is second.indices
 
 
+@pytest.mark.covers("glTF morph targets", "glTF animation")
 @pytest.mark.parametrize("dtype", [np.float32, np.uint8])
 def test_animated_weights(gltf, dtype):
     morphed(gltf)
@@ -165,6 +177,7 @@ def test_animated_weights(gltf, dtype):
     assert scene.at(0.0).meshes[0] is scene.meshes[0]
 
 
+@pytest.mark.covers("glTF morph targets", "glTF animation")
 def test_cubic_weights(gltf):
     morphed(gltf)
     values = np.arange(12).reshape(2, 3, 2)
@@ -176,6 +189,7 @@ def test_cubic_weights(gltf):
     np.testing.assert_allclose(track.at(0.5), expected, atol=1e-12)
 
 
+@pytest.mark.covers("glTF morph targets", "glTF generated normals")
 def test_a_flat_shaded_mesh_takes_flat_normals_in_its_target(gltf):
     gltf.triangle()
     lift = gltf.add(np.array([[0, 0, 0], [0, 0, 0], [0, 0, 1]], np.float32))
@@ -187,6 +201,7 @@ def test_a_flat_shaded_mesh_takes_flat_normals_in_its_target(gltf):
     assert any("COLOR_0" in line for line in scene.warnings)
 
 
+@pytest.mark.covers("glTF animation")
 @pytest.mark.parametrize(("interpolation", "expected"), [("LINEAR", HALFWAY_X), ("STEP", (0, 0, 0, 1))])
 @pytest.mark.parametrize("dtype", [np.float32, np.int8, np.int16])
 def test_rotations_halfway_and_stored_as_integers(gltf, interpolation, expected, dtype):
@@ -201,6 +216,7 @@ def test_rotations_halfway_and_stored_as_integers(gltf, interpolation, expected,
     assert scene.at(0.5).instances[0].transform[2, 1] == pytest.approx(2 * expected[0] * expected[3], abs=2 / 127)
 
 
+@pytest.mark.covers("glTF animation", "glTF KHR_lights_punctual", "glTF cameras")
 def test_lights_and_cameras_ride_on_nodes_below_animated_ones(gltf):
     gltf.triangle()
     light = {"KHR_lights_punctual": {"light": 0}}
@@ -223,6 +239,7 @@ def test_lights_and_cameras_ride_on_nodes_below_animated_ones(gltf):
     assert later.instances[0] is scene.instances[0]
 
 
+@pytest.mark.covers("glTF animation")
 def test_a_node_that_shrinks_to_nothing_leaves_light_and_camera_their_direction(gltf):
     gltf.triangle()
     gltf.json["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "directional"}]}}
@@ -234,6 +251,7 @@ def test_a_node_that_shrinks_to_nothing_leaves_light_and_camera_their_direction(
     np.testing.assert_allclose(later.cameras[0].forward, (0, 0, -1))
 
 
+@pytest.mark.covers("glTF animation")
 def test_what_does_not_move_stays_the_same_object(gltf):
     primitive = add_strip(gltf)
     primitive["attributes"]["COLOR_0"] = gltf.add(np.ones((6, 3), np.float32))
@@ -257,6 +275,7 @@ def test_what_does_not_move_stays_the_same_object(gltf):
     np.testing.assert_allclose(scene.meshes[figure].positions, POSITIONS, atol=ATOL)
 
 
+@pytest.mark.covers("glTF animation")
 def test_clips_are_named_and_repeat(gltf):
     gltf.triangle()
     for name, length in (("walk", 2), ("", 3), ("walk", 4)):
@@ -290,6 +309,7 @@ def test_paths_of_extensions_and_what_cannot_be_animated_are_noted(gltf):
         assert any(words in line for line in scene.warnings)
 
 
+@pytest.mark.covers("model .glb", "glTF skins", "glTF animation", files=["gltf/Fox/Fox.glb"])
 def test_fox(scenes):
     scene = load_gltf(scenes / "gltf" / "Fox" / "Fox.glb")
     assert (scene.clips, scene.triangle_count, scene.warnings) == (["Survey", "Walk", "Run"], 576, [])

@@ -13,6 +13,8 @@ from octolux.scene.materials import Image
 from octolux.scene.obj import load_obj
 from octolux.scene.obj_materials import roughness
 
+pytestmark = pytest.mark.covers("model .obj")
+
 QUAD = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
 FACE = "f 1/1 2/2 3/3 4/4\n"
 
@@ -109,6 +111,7 @@ def test_specular_roughness_and_emission(tmp_path):
     assert roughness(0.0) == 1.0
 
 
+@pytest.mark.covers("model .obj", broken=True)
 def test_missing_files_are_noted_and_stand_ins_are_used(tmp_path):
     scene = load_obj(write(tmp_path, QUAD + "usemtl m\n" + FACE, "newmtl m\nmap_Kd nowhere.png\n"))
     assert "nowhere.png" in scene.warnings[0]
@@ -122,6 +125,7 @@ def test_missing_files_are_noted_and_stand_ins_are_used(tmp_path):
     assert "material 'm'" in scene.warnings[1]
 
 
+@pytest.mark.covers("model .obj", broken=True)
 def test_a_library_with_an_impossible_name_is_noted(tmp_path):
     scene = load_obj(write(tmp_path, "mtllib a\0b.mtl\n" + QUAD + FACE))
     assert "a\0b.mtl" in scene.warnings[0]
@@ -153,6 +157,7 @@ def test_green_that_points_down_is_turned_up():
     np.testing.assert_array_equal(with_green_up(down, otherwise=True).pixels, up.pixels)
 
 
+@pytest.mark.covers("model .obj", broken=True)
 @pytest.mark.parametrize(
     ("text", "place", "problem"),
     [
@@ -172,6 +177,7 @@ def test_broken_text_names_the_line(tmp_path, text, place, problem):
     assert caught.value.remedy
 
 
+@pytest.mark.covers("model .obj", broken=True)
 @pytest.mark.parametrize("line", ["Kd 1 x 1", "Kd 1 nan 1", "Kd 1 1", "Ns 1e999", "Ke -1 0 0"])
 def test_broken_material_names_the_line(tmp_path, line):
     with pytest.raises(SceneError) as caught:
@@ -180,6 +186,7 @@ def test_broken_material_names_the_line(tmp_path, line):
     assert caught.value.place == "line 2"
 
 
+@pytest.mark.covers("model .obj", broken=True)
 def test_broken_image_names_the_image(tmp_path):
     (tmp_path / "t.png").write_bytes(b"\x89PNG\r\n\x1a\nrubbish")
     with pytest.raises(SceneError) as caught:

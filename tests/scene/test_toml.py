@@ -10,6 +10,8 @@ from toml_files import model
 
 from octolux.scene.load import load_scene
 
+pytestmark = pytest.mark.covers("model .toml")
+
 
 def test_materials_are_overridden_by_name_and_glob_in_order(toml):
     scene = toml(model() + """

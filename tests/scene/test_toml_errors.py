@@ -8,6 +8,8 @@ from toml_files import model
 from octolux.scene.errors import SceneError
 from octolux.scene.toml_scene import load_toml
 
+pytestmark = pytest.mark.covers("model .toml", broken=True)
+
 LAMP = '[[light]]\ntype = "point"\nname = "lamp"\nposition = [0, 0, 0]\nintensity = 1\n'
 SUN = '[[light]]\ntype = "directional"\nname = "sun"\ndirection = [0, -1, 0]\nilluminance = 1\n'
 SPOT = '[[light]]\ntype = "spot"\nposition = [0, 0, 0]\ndirection = [0, -1, 0]\nintensity = 1\n'

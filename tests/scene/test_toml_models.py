@@ -9,6 +9,8 @@ from toml_files import model
 from octolux.scene.builtin import BUILTIN
 from octolux.scene.toml_scene import load_toml
 
+pytestmark = pytest.mark.covers("model .toml")
+
 
 def world_vertex(scene) -> np.ndarray:
     """Where the model's last vertex, (0, 2, 3) in its file, ends up."""
