@@ -17,6 +17,8 @@ TURNED = (".3ds", ".ase")
 # Formats whose writers above give specular 0.02 and exponent 6: F0 of 0.04 * 0.5, roughness (2 / 8)^(1/4).
 GLOSSY = (".fbx", ".dae", ".x", ".x3d", ".ms3d", ".ac")
 
+KINDS = [pytest.param(kind, marks=pytest.mark.covers(f"model {kind}")) for kind in EXTENSIONS]
+
 
 def save(folder, name: str, content: str | bytes):
     path = folder / name
@@ -28,7 +30,7 @@ def test_every_extension_has_a_file_here():
     assert set(FILES) == set(EXTENSIONS) <= set(LOADERS)
 
 
-@pytest.mark.parametrize("kind", EXTENSIONS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_a_square(kind, tmp_path):
     scene = load_scene(save(tmp_path, "square" + kind, FILES[kind]))
     assert scene.triangle_count == (1 if kind == ".stl" else 2)
@@ -42,7 +44,7 @@ def test_a_square(kind, tmp_path):
     assert not scene.warnings
 
 
-@pytest.mark.parametrize("kind", EXTENSIONS)
+@pytest.mark.parametrize("kind", KINDS)
 def test_materials(kind, tmp_path):
     scene = load_assimp(save(tmp_path, "square" + kind, FILES[kind]))
     material = scene.materials[scene.meshes[0].material]
@@ -57,6 +59,7 @@ def test_materials(kind, tmp_path):
         assert material.roughness == pytest.approx(0.5**0.5)
 
 
+@pytest.mark.covers("model .ply")
 def test_vertex_colours_are_srgb_over_white(tmp_path):
     scene = load_assimp(save(tmp_path, "a.ply", ply(colors=True)))
     expected = float(srgb_decode(np.array(188 / 255)))
@@ -64,6 +67,7 @@ def test_vertex_colours_are_srgb_over_white(tmp_path):
     assert scene.materials[0].base_color == (1.0, 1.0, 1.0)
 
 
+@pytest.mark.covers("model .fbx")
 @pytest.mark.parametrize(("up", "far"), [(1, (1, 1, 0)), (2, (1, 0, -1))])
 @pytest.mark.parametrize("centimetres", [1.0, 2.54, 100.0])
 def test_fbx_in_metres_and_y_up(tmp_path, up, far, centimetres):
@@ -78,6 +82,7 @@ NODES = ('<node id="a" name="left"><translate>0 0 5</translate>SHOWN'
          '<node id="b" name="child"><translate>2 0 0</translate>SHOWN</node></node>')  # fmt: skip
 
 
+@pytest.mark.covers("model .dae")
 def test_collada_nodes_unit_axis_and_texture(tmp_path, picture):
     picture("Wood.PNG", (9, 8, 7))
     path = save(tmp_path, "a.dae", dae('<texture texture="t" texcoord="UV"/>', "Z_UP", 0.01, NODES))
@@ -94,6 +99,7 @@ def test_collada_nodes_unit_axis_and_texture(tmp_path, picture):
     np.testing.assert_allclose(mesh.uvs[corner], (1, 1))  # lower right: v points down
 
 
+@pytest.mark.covers("model .dae")
 def test_textures_named_on_another_computer_are_looked_for_beside_the_model(tmp_path, picture):
     (tmp_path / "textures").mkdir()
     picture("textures/wood.png", (9, 8, 7))
@@ -101,12 +107,14 @@ def test_textures_named_on_another_computer_are_looked_for_beside_the_model(tmp_
     assert load_assimp(save(tmp_path, "a.dae", text)).warnings == []
 
 
+@pytest.mark.covers("model .dae")
 def test_a_missing_texture_is_a_warning_and_a_checker(tmp_path):
     scene = load_assimp(save(tmp_path, "a.dae", dae('<texture texture="t" texcoord="UV"/>')))
     assert "wood.png" in scene.warnings[0]
     assert scene.materials[0].base_color_texture.image.size == (8, 8)
 
 
+@pytest.mark.covers("model .ply")
 def test_a_cube_keeps_its_edges_and_gentle_bends_are_smooth(tmp_path):
     points = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
     faces = "4 0 1 3 2\n4 4 6 7 5\n4 0 4 5 1\n4 2 3 7 6\n4 0 2 6 4\n4 1 5 7 3"
@@ -133,7 +141,10 @@ BROKEN = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("name", "content"), [(name, content) for name, all_ in BROKEN.items() for content in all_])
+@pytest.mark.parametrize(("name", "content"), [
+    pytest.param(name, content, marks=pytest.mark.covers(f"model {name[1:]}", broken=True))
+    for name, all_ in BROKEN.items() for content in all_
+])  # fmt: skip
 def test_broken_files_are_one_error_or_a_scene(name, content, tmp_path):
     path = save(tmp_path, name, content)
     try:
@@ -145,6 +156,7 @@ def test_broken_files_are_one_error_or_a_scene(name, content, tmp_path):
         assert all(int(m.indices.max()) < len(m.positions) for m in scene.meshes)
 
 
+@pytest.mark.covers("model .ply", broken=True)
 def test_points_alone_are_refused(tmp_path):
     text = ply().replace("element face 1", "element face 0").replace("4 0 1 2 3\n", "")
     with pytest.raises(SceneError):
@@ -159,6 +171,7 @@ CHILDREN = {
 }
 
 
+@pytest.mark.covers("model .ply", broken=True)
 @pytest.mark.parametrize("problem", CHILDREN)
 def test_crash_hang_and_memory_of_the_importer_are_one_error(problem, tmp_path, monkeypatch):
     monkeypatch.setattr(assimp, "_CHILD", save(tmp_path, "child.py", CHILDREN[problem]))
@@ -169,6 +182,7 @@ def test_crash_hang_and_memory_of_the_importer_are_one_error(problem, tmp_path, 
     assert caught.value.file == str(path)
 
 
+@pytest.mark.covers("model .ply", broken=True)
 def test_the_memory_of_the_importer_is_limited(tmp_path):
     """A header that promises 24 GB of vertices."""
     text = ply().replace("ascii", "binary_little_endian").replace("vertex 4", "vertex 2000000000")

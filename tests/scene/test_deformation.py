@@ -32,6 +32,7 @@ def skinned(matrix, **more) -> Mesh:
     return deformed(corner(joints=np.zeros((3, 1), np.uint16), weights=weights, **more), (), palette)
 
 
+@pytest.mark.covers("glTF morph targets")
 def test_a_morph_by_half_moves_by_half():
     shift = np.array([[0, 0, 2], [0, 0, 0], [4, 0, 0]], np.float32)
     target = MorphTarget(positions=shift, normals=np.tile(np.array([0, 2, 0], np.float32), (3, 1)))
@@ -44,12 +45,14 @@ def test_a_morph_by_half_moves_by_half():
     np.testing.assert_array_equal(mesh.deformable.positions, corner().positions)
 
 
+@pytest.mark.covers("glTF morph targets")
 def test_targets_add_up_and_tangents_follow():
     along = np.tile(np.array([0, 1, 0], np.float32), (3, 1))
     result = deformed(corner(targets=(MorphTarget(tangents=along), MorphTarget(tangents=along))), (0.25, 0.75))
     np.testing.assert_allclose(result.tangents, [[sqrt(0.5), sqrt(0.5), 0, -1]] * 3, atol=ATOL)
 
 
+@pytest.mark.covers("glTF skins")
 def test_a_stretched_surface_keeps_its_normal_upright_on_it():
     tilted = {"normal": (sqrt(0.5), sqrt(0.5), 0), "tangent": (sqrt(0.5), -sqrt(0.5), 0)}
     result = skinned(np.diag([2.0, 1.0, 1.0]), **tilted)
@@ -57,6 +60,7 @@ def test_a_stretched_surface_keeps_its_normal_upright_on_it():
     np.testing.assert_allclose(result.tangents[0], [2 / sqrt(5), -1 / sqrt(5), 0, -1], atol=ATOL)
 
 
+@pytest.mark.covers("glTF skins")
 def test_a_mirrored_surface_looks_the_other_way_and_its_bitangent_with_it():
     result = skinned(np.diag([1.0, 1.0, -1.0]))
     np.testing.assert_allclose(result.normals[0], [0, 0, -1], atol=ATOL)
@@ -65,6 +69,7 @@ def test_a_mirrored_surface_looks_the_other_way_and_its_bitangent_with_it():
     np.testing.assert_allclose(np.cross(normal, tangent[:3]) * tangent[3], [0, -1, 0], atol=ATOL)
 
 
+@pytest.mark.covers("glTF skins")
 @pytest.mark.parametrize("scale", [1e-2, 1e3, 1e-12])
 def test_size_does_not_matter(scale):
     result = skinned(scale * np.eye(3))
@@ -73,6 +78,7 @@ def test_size_does_not_matter(scale):
     np.testing.assert_allclose(result.positions, scale * corner().positions, rtol=1e-6)
 
 
+@pytest.mark.covers("glTF skins")
 def test_where_a_joint_shrinks_all_to_a_point_the_directions_stay():
     result = skinned(np.zeros((3, 3)))
     np.testing.assert_array_equal(result.positions, np.zeros((3, 3)))
@@ -80,6 +86,7 @@ def test_where_a_joint_shrinks_all_to_a_point_the_directions_stay():
     np.testing.assert_allclose(result.tangents, [[1, 0, 0, -1]] * 3, atol=ATOL)
 
 
+@pytest.mark.covers("glTF skins")
 def test_random_vertices_are_weighted_means_of_what_their_joints_do():
     random = np.random.default_rng(5)
     count, bones = 200, 7

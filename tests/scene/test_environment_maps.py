@@ -54,6 +54,7 @@ def colors() -> np.ndarray:
     return found
 
 
+@pytest.mark.covers("environment .hdr")
 def test_rgbe_within_half_a_step(colors):
     """Mantissas are cut to 8 bits, of which the largest of a pixel uses all; the reader adds half a step."""
     for data in (coded(rgbe(colors)), HEAD + b"\n-Y 6 +X 300\n" + rgbe(colors).tobytes()):
@@ -63,6 +64,7 @@ def test_rgbe_within_half_a_step(colors):
         assert (np.abs(found - colors) <= 0.5 * step * (1 + 1e-6)).all()
 
 
+@pytest.mark.covers("environment .hdr")
 def test_black_exposure_and_orientation(colors):
     pixels = rgbe(colors)
     pixels[0, 0] = 0
@@ -74,6 +76,16 @@ def test_black_exposure_and_orientation(colors):
     np.testing.assert_array_equal(turned, plain[::-1, ::-1])
 
 
+@pytest.mark.covers("environment .pic")
+def test_pic_is_radiance_too(tmp_path, colors):
+    """Radiance's own programs name such files .pic."""
+    (tmp_path / "a.pic").write_bytes(coded(rgbe(colors)))
+    found, warnings = load(tmp_path / "a.pic")
+    np.testing.assert_array_equal(found, read_hdr(coded(rgbe(colors)), 10**6))
+    assert not warnings
+
+
+@pytest.mark.covers("environment .hdr")
 def test_xyz_white_is_white():
     """D65, XYZ (0.9505, 1, 1.089), is (1, 1, 1), within the 8 bits of a mantissa: a step is 2^-7 for values above 1."""
     white = np.broadcast_to(np.array([0.9505, 1.0, 1.089]), (1, 8, 3))
@@ -82,6 +94,7 @@ def test_xyz_white_is_white():
     assert np.abs(found - 1).max() <= 0.5 * 2**-7 * (3.2406 + 1.5372 + 0.4986) + 1e-3
 
 
+@pytest.mark.covers("environment .hdr", broken=True)
 @pytest.mark.parametrize(
     ("data", "text"),
     [
@@ -106,6 +119,7 @@ def load(path: Path, scale: float = 1.0) -> tuple[np.ndarray, list[str]]:
     return load_environment_map(path, scale, Path("scene.toml"), "[environment]: image", warnings), warnings
 
 
+@pytest.mark.covers("environment .exr")
 @pytest.mark.parametrize("kind", [np.float16, np.float32])
 def test_openexr(tmp_path, kind):
     pixels = np.random.default_rng(1).uniform(0, 9, (4, 8, 4)).astype(kind)
@@ -117,6 +131,7 @@ def test_openexr(tmp_path, kind):
     np.testing.assert_array_equal(load(tmp_path / "y.exr")[0], np.repeat(pixels[..., :1].astype(np.float32), 3, axis=2))
 
 
+@pytest.mark.covers("environment .exr")
 def test_texels_that_are_no_radiance_are_clamped_and_counted(tmp_path):
     pixels = np.full((2, 2, 3), 5, np.float32)
     pixels[0, 0, 1], pixels[0, 1, 2], pixels[1, 0] = np.nan, np.inf, -3
@@ -129,11 +144,13 @@ def test_texels_that_are_no_radiance_are_clamped_and_counted(tmp_path):
         load(tmp_path / "b.exr")
 
 
+@pytest.mark.covers("environment pictures of 8 bits")
 def test_eight_bit_pictures_are_srgb(picture):
     found, _ = load(picture("sky.png", (188, 0, 255)), 100.0)
     np.testing.assert_allclose(found[0, 0], [float(srgb_decode(np.array(188 / 255))) * 100, 0, 100], rtol=1e-6)
 
 
+@pytest.mark.covers("environment .exr", broken=True)
 def test_a_damaged_exr_prints_nothing_beside_the_error(tmp_path, capfd):
     pixels = np.random.default_rng(0).uniform(0, 1, (32, 64, 3)).astype(np.float16)
     OpenEXR.File({}, {"RGB": pixels}).write(str(tmp_path / "a.exr"))
@@ -145,6 +162,7 @@ def test_a_damaged_exr_prints_nothing_beside_the_error(tmp_path, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.covers("environment .hdr", "environment .exr", "environment pictures of 8 bits", broken=True)
 def test_broken_and_missing_files(tmp_path):
     OpenEXR.File({}, {"Z": np.ones((2, 2), np.float32)}).write(str(tmp_path / "depth.exr"))
     whole = (tmp_path / "depth.exr").read_bytes()
@@ -159,6 +177,7 @@ def test_broken_and_missing_files(tmp_path):
         load(tmp_path / "none.hdr")
 
 
+@pytest.mark.covers("environment .exr", "model .toml")
 def test_the_table_of_a_toml_scene(toml, tmp_path, monkeypatch):
     (tmp_path / "scenes").mkdir()
     OpenEXR.File({}, {"RGB": np.full((2, 4, 3), 3, np.float32)}).write(str(tmp_path / "scenes" / "sky.exr"))

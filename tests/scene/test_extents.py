@@ -7,6 +7,8 @@ import pytest
 from octolux.scene.errors import SceneError
 from octolux.scene.load import load_scene
 
+pytestmark = pytest.mark.covers("model .toml", broken=True)
+
 OBJ = "g far\nv 0 0 0\nv {0} 0 0\nv 0 {0} 0\nf 1 2 3\n"
 
 

@@ -138,6 +138,7 @@ def test_data_uris_and_encoded_file_names(gltf, picture):
     assert any("gone.png" in line for line in scene.warnings)
 
 
+@pytest.mark.covers("glTF materials", "glTF alpha modes", "glTF KHR_materials_emissive_strength")
 def test_materials(gltf):
     gltf.triangle()
     strength = {"KHR_materials_emissive_strength": {"emissiveStrength": 5.0}}

@@ -32,6 +32,11 @@ def basis_model(gltf, data: bytes | None, required: bool = True, source: int | N
 
 
 @needs_decoder
+@pytest.mark.covers(
+    "glTF KHR_texture_basisu",
+    "image KTX2",
+    files=[f"tests/scene/data/{name}.ktx2" for name in ("etc1s", "uastc", "uastc-zstd")],
+)
 @pytest.mark.parametrize("name", ["etc1s", "uastc", "uastc-zstd"])
 def test_basis(gltf, name):
     """Pictures of 8 x 12: red, green and half transparent blue stripes, the right half darker."""

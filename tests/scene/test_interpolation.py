@@ -20,11 +20,13 @@ def about_y(degrees: float) -> tuple[float, ...]:
     return (0.0, sin(radians(degrees / 2)), 0.0, cos(radians(degrees / 2)))
 
 
+@pytest.mark.covers("glTF animation")
 @pytest.mark.parametrize(("time", "expected"), [(0.0, 5.0), (0.999, 5.0), (1.0, 7.0), (3.0, 7.0)])
 def test_steps_hold_until_the_next_key(time, expected):
     assert track([0, 1], [[5], [7]], "step").at(time)[0] == expected
 
 
+@pytest.mark.covers("glTF animation")
 @pytest.mark.parametrize("share", [0.0, 0.25, 0.5, 0.9])
 def test_cubic_is_the_formula_of_the_specification(share):
     values = np.random.default_rng(3).normal(size=(2, 3, 3))
@@ -35,11 +37,13 @@ def test_cubic_is_the_formula_of_the_specification(share):
     np.testing.assert_allclose(track([1.0, 3.5], values, "cubic").at(1.0 + td * share), expected, atol=1e-14)
 
 
+@pytest.mark.covers("glTF animation")
 def test_cubic_holds_the_values_and_not_the_slopes_beyond_its_ends():
     t = track([0, 1], [[[9], [1], [9]], [[9], [2], [9]]], "cubic")
     assert (t.at(-1.0)[0], t.at(5.0)[0]) == (1.0, 2.0)
 
 
+@pytest.mark.covers("glTF animation")
 def test_cubic_rotations_have_unit_length():
     zero, start, end = [0, 0, 0, 0], [0, 0, 0, 1], about_y(90)
     halfway = track([0, 1], [[zero, start, zero], [zero, end, zero]], "cubic", "rotation").at(0.5)

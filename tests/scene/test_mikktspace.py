@@ -34,6 +34,7 @@ def check(space: mikktspace.TangentSpace, normals: np.ndarray, indices: np.ndarr
     assert set(np.unique(space.tangents[:, 3])) <= {-1.0, 1.0}
 
 
+@pytest.mark.covers("glTF generated tangents", files=["tests/scene/data/mikktspace.npz"])
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("welded", [True, False])
 def test_like_the_reference(name, welded):
@@ -116,6 +117,7 @@ def test_without_uvs_any_direction_across_the_normal():
     check(nothing, normals, np.zeros((2, 3), np.uint32))
 
 
+@pytest.mark.covers("glTF generated tangents", "model .obj")
 def test_gltf_and_obj_use_it_where_a_normal_map_is(gltf, picture, tmp_path):
     positions, normals, uvs, indices = plane()
     uvs = np.column_stack([np.abs(uvs[:, 0] - 1), uvs[:, 1]])
