@@ -51,6 +51,8 @@ def choices(texts: list[str], reference: str = "") -> list[Choice]:
     if texts:
         found = [choice(text) for text in texts]
         labels = [c.label for c in found]
+        if "constant" in labels:
+            raise OctoluxError("Every report has a fitted 'constant'. Give yours settings: constant,red=2.")
         twice = next((label for label in labels if labels.count(label) > 1), None)
         if twice:
             raise OctoluxError(f"--technique {twice} is given twice. Give it once.")

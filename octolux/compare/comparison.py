@@ -65,13 +65,12 @@ def compare(
     )  # fmt: skip
     progress("direct light")
     studio.settle_exposure(next((c for c in measured if not c.seeded), black()))
-    dark = studio.render(black())
+    dark, level = studio.direct_light()
     if known is None and wanted is not None:
         progress(f"reference {wanted.label}")
         known = studio.reference(wanted, reference_samples)
     assert known is not None
     notes = _check_view(known, dark)
-    level = studio.lit_level()
     mask = known.mask & dark.mask
     entries = []
     for one in (*measured, fitted_constant(known, dark.albedo, mask), black()):

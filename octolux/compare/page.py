@@ -31,6 +31,7 @@ def page(report: Report) -> str:
         loader=jinja2.PackageLoader("octolux", "compare"), autoescape=True, undefined=jinja2.StrictUndefined,
         trim_blocks=True, lstrip_blocks=True,
     )  # fmt: skip
+    environment.policies["json.dumps_kwargs"] = {"sort_keys": False}  # views in their order
     environment.filters["readable"] = readable
     gallery = Gallery()
     found = series(report, gallery)

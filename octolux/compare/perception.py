@@ -62,5 +62,5 @@ def flip(picture, reference) -> tuple[float, np.ndarray] | None:
     from flip_evaluator import evaluate
 
     signals: list[Any] = [np.ascontiguousarray(v, dtype=np.float32) for v in (reference, picture)]
-    errors, mean, _ = evaluate(*signals, "LDR", applyMagma=False, parameters={})
-    return float(mean), np.array(errors[..., 0])
+    errors, _, _ = evaluate(*signals, "LDR", applyMagma=False, computeMeanError=False, parameters={})
+    return float(errors.mean(dtype=np.float64)), np.array(errors[..., 0])  # its own mean adds up in float32

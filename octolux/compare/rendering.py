@@ -56,23 +56,36 @@ class Studio:
     frame_settings: FrameSettings | None = None
     frames: int = 5
 
-    def renderer(self, technique: str, settings: Settings, profile: bool = False) -> Renderer:
+    def renderer(self, choice: Choice) -> Renderer:
+        gc.collect()  # what the technique before held on the device is not this one's
         return Renderer(
-            self.scene, technique, settings=settings, size=self.size, exposure=self.exposure, tone_map=self.tone_map,
-            default_light=self.default_light, device=self.device, profile=profile, frame_settings=self.frame_settings,
+            self.scene, choice.technique, settings=choice.settings, size=self.size, exposure=self.exposure,
+            tone_map=self.tone_map, default_light=self.default_light, device=self.device, profile=True,
+            frame_settings=self.frame_settings,
         )  # fmt: skip
 
-    def settle_exposure(self, choice: Choice) -> float:
-        """The exposure asked for, or the scene's, or else metered as `octolux render` does with that technique."""
-        renderer = self.renderer(choice.technique, choice.settings)
-        self.exposure = renderer.exposure if renderer.exposure is not None else renderer.meter(self.camera)
-        return self.exposure
+    def settle_exposure(self, choice: Choice) -> None:
+        """Without an exposure asked for, take the scene's, or else meter as `octolux render` does with a technique."""
+        if self.exposure is None:
+            self.exposure = self.scene.exposure
+        if self.exposure is None:
+            self.exposure = self.renderer(choice).meter(self.camera)
+
+    def direct_light(self) -> tuple[Rendering, float | None]:
+        """The picture without indirect light, and metrics.lit_level of this view and of all the scene's cameras."""
+        one = black()
+        renderer = self.renderer(one)
+        rendering = self._render(one, renderer)
+        others = [renderer.render(number) for number in range(len(self.scene.cameras))]
+        views = [(rendering.pictures["direct"], rendering.mask), *((v.layers["direct"], v.mask) for v in others)]
+        return rendering, lit_level(views)
 
     def render(self, choice: Choice) -> Rendering:
         """The technique's picture and times. What draws samples is rendered once, and its time is that of one frame
         with its shaders built; all else again and again. Raises OctoluxError where a picture is not finite."""
-        gc.collect()  # what the technique before held on the device is not this one's
-        renderer = self.renderer(choice.technique, choice.settings, profile=True)
+        return self._render(choice, self.renderer(choice))
+
+    def _render(self, choice: Choice, renderer: Renderer) -> Rendering:
         picture = renderer.render(self.camera)
         if not choice.seeded:
             renderer.profiler.clear()
@@ -98,12 +111,6 @@ class Studio:
                  **_times([r.statistics for r in renderings])}  # fmt: skip
         found = of_halves(choice.label, [r.pictures for r in renderings], first.mask, facts)
         return dataclasses.replace(found, position=first.position)
-
-    def lit_level(self) -> float | None:
-        """metrics.lit_level of this view and of all the scene's cameras."""
-        renderer = self.renderer("none", Settings())
-        views = [renderer.render(camera) for camera in (self.camera, *range(len(self.scene.cameras)))]
-        return lit_level([(view.layers["direct"], view.mask) for view in views])
 
     def displayed(self, radiance: np.ndarray) -> np.ndarray:
         """The sRGB signal float64 (height, width, 3) in [0, 1] of radiance in nits."""
