@@ -36,11 +36,13 @@ def decoded(path: Path, layout: str) -> np.ndarray:
         return next(container.decode(video=0)).to_ndarray(format=layout)
 
 
+@pytest.mark.covers("output .png")
 def test_png(picture, folder):
     write_picture(picture, folder / "a.png")
     np.testing.assert_array_equal(decoded(folder / "a.png", "rgb24"), picture.display[..., :3])
 
 
+@pytest.mark.covers("output .png of 16 bits")
 def test_png_of_16_bits(picture, folder):
     options = FileOptions(bits=16)
     write_picture(picture, folder / "a.png", options)
@@ -53,6 +55,7 @@ def test_png_of_16_bits(picture, folder):
     assert not complete(folder / "a.png", SIZE, FileOptions())
 
 
+@pytest.mark.covers("output .png with alpha")
 @pytest.mark.parametrize(("bits", "layout", "top"), [(8, "rgba", 255), (16, "rgba64le", 65535)])
 def test_png_with_alpha(picture, folder, bits, layout, top):
     options = FileOptions(bits=bits, alpha=True)
@@ -65,6 +68,7 @@ def test_png_with_alpha(picture, folder, bits, layout, top):
     assert not complete(folder / "a.png", SIZE, FileOptions(bits=bits))
 
 
+@pytest.mark.covers("output .exr")
 def test_exr_header(picture, folder):
     about = {"technique": "none", "frame": 7, "framesPerSecond": Fraction(24000, 1001), "scene": "Kästchen"}
     write_picture(picture, folder / "a.exr", FileOptions(metadata=about))
@@ -78,6 +82,7 @@ def test_exr_header(picture, folder):
     assert {"shell", "left wall", "right wall"} <= seen
 
 
+@pytest.mark.covers("output .exr")
 def test_header_of_a_sequence(run, folder):
     """What made the frame can be read back from it."""
     done = run(
@@ -93,6 +98,7 @@ def test_header_of_a_sequence(run, folder):
     assert header["adapter"] in done.out
 
 
+@pytest.mark.covers("output .exr", "output .npz")
 def test_layers_of_exr_and_npz(picture, folder):
     """The declared layers are those a Picture has; some of them on demand."""
     assert set(LAYERS) == set(picture.layers)
@@ -121,6 +127,7 @@ def test_channels():
     assert channel_names("depth") == ["depth"]
 
 
+@pytest.mark.covers("output .exr", "output .npz", "output .png")
 def test_save_from_python(picture, folder):
     """As Picture.save has it: no options, and a header all the same."""
     picture.save(folder / "a.exr")

@@ -17,6 +17,12 @@ SIZE = (64, 36)
 COLOUR = (200, 40, 90)
 
 
+def videos(*names: str, broken: bool = False) -> list:
+    """The names of files, as parameters that cover their formats."""
+    marks = [pytest.mark.covers(f"output {Path(name).suffix.lower()}", broken=broken) for name in names]
+    return [pytest.param(name, marks=mark) for name, mark in zip(names, marks, strict=True)]
+
+
 def frames(count: int, size: tuple[int, int] = SIZE) -> list[np.ndarray]:
     """A bar of another colour moves over a plain picture, four pixels a frame."""
     pictures = []
@@ -34,7 +40,7 @@ def write(path: Path, pictures: list[np.ndarray], fps: float = 24.0) -> None:
             video.add(picture)
 
 
-@pytest.mark.parametrize("name", ["a.mp4", "a.webm", "A.MP4"])
+@pytest.mark.parametrize("name", videos("a.mp4", "a.webm", "A.MP4"))
 @pytest.mark.parametrize("fps", [24.0, 24000 / 1001])
 def test_mp4_and_webm(folder, name, fps):
     path = folder / name
@@ -58,11 +64,13 @@ def test_mp4_and_webm(folder, name, fps):
     assert [p.name for p in folder.iterdir()] == [name]
 
 
+@pytest.mark.covers("output .webm")
 def test_webm_of_odd_size(folder):
     write(folder / "a.webm", frames(3, (63, 37)))
     assert complete(folder / "a.webm", (63, 37), 24.0, 3)
 
 
+@pytest.mark.covers("output .gif")
 @pytest.mark.parametrize("fps", [24.0, 10.0, 50.0])
 def test_gif(folder, fps):
     path = folder / "a.gif"
@@ -81,6 +89,7 @@ def test_gif(folder, fps):
     assert not complete(path, (36, 64), fps, 9)
 
 
+@pytest.mark.covers("output .gif")
 def test_gif_of_many_colours(folder):
     """Dithered to 256 colours: means of areas stay, to a step of the palette."""
     rows, columns = np.mgrid[0:36, 0:64]
@@ -92,13 +101,14 @@ def test_gif_of_many_colours(folder):
     assert np.abs(blocks).max() < 8  # 2304 colours on 256: boxes of about 2 x 2 steps of (4, 7), half a box off
 
 
+@pytest.mark.covers("output .gif")
 def test_frames_that_are_the_same(folder):
     """A GIF makes one of them, shown for as long."""
     write(folder / "a.gif", [frames(1)[0]] * 5)
     assert complete(folder / "a.gif", SIZE, 24.0, 5)
 
 
-@pytest.mark.parametrize("name", ["a.mp4", "a.webm", "a.gif"])
+@pytest.mark.parametrize("name", videos("a.mp4", "a.webm", "a.gif", broken=True))
 def test_nothing_half_written(folder, name):
     """Neither after an error nor without a frame; and no file before it is complete."""
     path = folder / name
@@ -119,7 +129,7 @@ def test_a_folder_that_is_gone(tmp_path, name):
         video.add(frames(1)[0])
 
 
-@pytest.mark.parametrize("name", ["a.mp4", "a.webm", "a.gif"])
+@pytest.mark.parametrize("name", videos("a.mp4", "a.webm", "a.gif", broken=True))
 def test_a_video_cut_short_is_not_complete(folder, name):
     path = folder / name
     write(path, frames(9))
@@ -127,6 +137,7 @@ def test_a_video_cut_short_is_not_complete(folder, name):
     assert not complete(path, SIZE, 24.0, 9)
 
 
+@pytest.mark.covers("output .png", "output .mp4", "output .gif")
 def test_video_on_the_command_line(run, folder):
     """A video of a resumed run is the one of a run in one piece: its frames come from the PNG files that are there."""
     words = ("render", "cornell-box", "--technique", "none", "--size", "64x36", "--shadow-resolution", "64",

@@ -18,7 +18,10 @@ from octolux.scene.load import load_scene
 FOLDER = Path(__file__).resolve().parents[2] / "benchmarks" / "scenes"
 GROUND_TRUTH = ("cornell_point", "cornell_area", "sponza_sunpoint")
 
-pytestmark = pytest.mark.skipif(not (data_folder() / "scenes").is_dir(), reason="needs OCTOLUX_DATA")
+pytestmark = [
+    pytest.mark.skipif(not (data_folder() / "scenes").is_dir(), reason="needs OCTOLUX_DATA"),
+    pytest.mark.covers("model .toml", files=[f"benchmarks/scenes/{name}.toml" for name in GROUND_TRUTH]),
+]
 
 
 @pytest.fixture(params=GROUND_TRUTH)
@@ -76,6 +79,7 @@ def test_normals_are_those_of_the_faces(pair):
             np.testing.assert_allclose(mesh.normals[mesh.indices[sound, corner]], expected, atol=1e-5)
 
 
+@pytest.mark.covers("model .toml", files=["benchmarks/scenes/crytek_sponza.toml"])
 def test_crytek_sponza_is_in_metres_with_textures_and_normal_maps():
     scene = load_scene(FOLDER / "crytek_sponza.toml")
     low, high = scene.bounds()

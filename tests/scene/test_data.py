@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -23,6 +25,12 @@ CORNELL = {
 }
 
 
+def sample(file: str, *values, features=(), broken: bool = False):
+    """The parameters of a file below the folder `scenes`, which cover its format and `features`."""
+    covers = pytest.mark.covers(f"model {Path(file).suffix}", *features, files=[file], broken=broken)
+    return pytest.param(file, *values, marks=covers)
+
+
 def check_vectors(scene) -> None:
     for mesh in scene.meshes:
         np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1, atol=1e-5)
@@ -30,6 +38,7 @@ def check_vectors(scene) -> None:
         assert set(np.unique(mesh.tangents[:, 3])) <= {-1.0, 1.0}
 
 
+@pytest.mark.covers("model .obj", files=["crytek-sponza/sponza.obj"])
 def test_crytek_sponza(scenes):
     scene = load_obj(scenes / "crytek-sponza" / "sponza.obj")
     assert (scene.triangle_count, len(scene.materials), len(scene.instances)) == (262_267, 26, 393)
@@ -42,19 +51,24 @@ def test_crytek_sponza(scenes):
     check_vectors(scene)
 
 
+@pytest.mark.covers("model .obj", files=["dabrovic-sponza/sponza.obj"])
 def test_dabrovic_sponza(scenes):
     scene = load_obj(scenes / "dabrovic-sponza" / "sponza.obj")
     assert (scene.triangle_count, len(scene.materials)) == (66_454, 1)
     check_vectors(scene)
 
 
-@pytest.mark.parametrize(("name", "triangles"), CORNELL.items())
-def test_cornell_boxes(scenes, name, triangles):
-    scene = load_obj(scenes / "cornell-box" / f"CornellBox-{name}.obj")
+@pytest.mark.parametrize(
+    ("file", "triangles"),
+    [sample(f"cornell-box/CornellBox-{name}.obj", triangles) for name, triangles in CORNELL.items()],
+)
+def test_cornell_boxes(scenes, file, triangles):
+    scene = load_obj(scenes / file)
     assert scene.triangle_count == triangles
     check_vectors(scene)
 
 
+@pytest.mark.covers("model .obj", files=["cornell-box/CornellBox-Original.obj"])
 def test_cornell_box_materials(scenes):
     scene = load_obj(scenes / "cornell-box" / "CornellBox-Original.obj")
     np.testing.assert_allclose(scene.bounds(), [(-1.02, 0, -1.04), (1, 1.99, 0.99)], atol=1e-6)
@@ -86,7 +100,41 @@ def test_every_gltf_model_is_listed(scenes):
     assert found == set(GLTF)
 
 
-@pytest.mark.parametrize(("file", "expected"), GLTF.items())
+FEATURES = {
+    "cornell-box/bevy-CornellBox.glb": ("glTF KHR_materials_emissive_strength", "glTF vertex colours"),
+    "cornell-box/kajiya-gltf/scene.gltf": ("glTF materials",),
+    "gltf/01_alpha_mask/01_alpha_mask.gltf": ("glTF alpha modes", "image PNG"),
+    "gltf/14_emission_strength/14_emission_strength.gltf": (
+        "glTF KHR_materials_emissive_strength",
+        "glTF KHR_materials_pbrSpecularGlossiness",
+    ),
+    "gltf/23_sparse_multi_prim/23_multi_prim_vertex_attribute.gltf": (
+        "glTF generated normals",
+        "glTF sparse accessors",
+    ),
+    "gltf/Draco-2CylinderEngine/2CylinderEngine.gltf": ("glTF KHR_draco_mesh_compression",),
+    "gltf/FlightHelmet/FlightHelmet.gltf": ("glTF materials", "image PNG"),
+    "gltf/Fox/Fox.glb": ("glTF generated normals", "glTF embedded data"),
+    "gltf/MixedLightingExample/MixedLightingExample.gltf": (
+        "glTF KHR_lights_punctual",
+        "glTF KHR_texture_transform",
+        "image JPEG",
+    ),
+    "gltf/pirate-meshopt/pirate.glb": ("glTF EXT_meshopt_compression", "glTF KHR_mesh_quantization"),
+}
+
+
+@pytest.mark.parametrize("file", GLTF)
+def test_gltf_models_use_the_extensions_that_they_are_to_cover(scenes, file):
+    text = (scenes / file).read_bytes()
+    used = [name.split()[1] for name in FEATURES[file] if name.startswith(("glTF KHR_", "glTF EXT_"))]
+    assert all(f'"{name}"'.encode() in text for name in used)
+
+
+@pytest.mark.parametrize(
+    ("file", "expected"),
+    [sample(file, expected, features=FEATURES[file]) for file, expected in GLTF.items()],
+)
 def test_gltf_models(scenes, file, expected):
     scene = load_gltf(scenes / file)
     slots = ("base_color_texture", "metallic_roughness_texture", "normal_texture", "emissive_texture")
@@ -143,9 +191,11 @@ def test_every_broken_model_is_listed(scenes):
     assert models == set(BROKEN)
 
 
-@pytest.mark.parametrize(("file", "place"), BROKEN.items())
+@pytest.mark.parametrize(
+    ("file", "place"), [sample(f"broken/{file}", place, broken=True) for file, place in BROKEN.items()]
+)
 def test_broken_models(scenes, file, place):
-    path = scenes / "broken" / file
+    path = scenes / file
     with pytest.raises(SceneError) as caught:
         (load_obj if path.suffix == ".obj" else load_gltf)(path)
     error = caught.value

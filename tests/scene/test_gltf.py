@@ -92,6 +92,34 @@ def test_interleaved_normalized_and_sparse_attributes(gltf):
     np.testing.assert_allclose(mesh.tangents, [[1, 0, 0, 1]] * 3, atol=1e-6)
 
 
+@pytest.mark.covers("glTF KHR_mesh_quantization")
+@pytest.mark.parametrize("normalized", [True, False])
+def test_quantized_meshes(gltf, normalized):
+    """Integers that are normalized are divided by their type's largest value (glTF 2.0, section 3.11)."""
+    positions = np.array([[-127, 0, 127, 0], [127, 0, 127, 0], [-127, 127, 127, 0]], np.int8)
+    uvs = np.array([[0, 0], [32767, 0], [0, -32767]], np.int16)
+    normals = np.array([[0, 0, 127, 0]] * 3, np.int8)
+    shown = {"type": "VEC3", "count": 3, "componentType": 5120}
+    gltf.json["accessors"] = [
+        {**shown, "bufferView": gltf.view(positions, byteStride=4), "normalized": normalized},
+        {**shown, "bufferView": gltf.view(normals, byteStride=4), "normalized": True},
+    ]
+    attributes = {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": gltf.add(uvs, normalized=normalized)}
+    gltf.json |= {
+        "meshes": [{"primitives": [{"attributes": attributes}]}],
+        "nodes": [{"mesh": 0, "scale": [2, 2, 2]}],
+        "extensionsUsed": ["KHR_mesh_quantization"],
+        "extensionsRequired": ["KHR_mesh_quantization"],
+    }
+    scene = load_gltf(gltf.write())
+    (mesh,), (instance,) = scene.meshes, scene.instances
+    np.testing.assert_array_equal(mesh.positions, positions[:, :3] / (127 if normalized else 1))
+    np.testing.assert_array_equal(mesh.uvs, uvs / (32767 if normalized else 1))
+    np.testing.assert_array_equal(mesh.normals, [[0, 0, 1]] * 3)
+    assert instance.transform[0, 0] == 2
+    assert scene.warnings == []
+
+
 @pytest.mark.covers("model .glb", "glTF embedded data", "image PNG")
 def test_glb_with_embedded_image(gltf, picture):
     gltf.triangle()

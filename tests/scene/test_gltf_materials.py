@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from PIL import Image as Pillow
 
 from octolux.scene.gltf import load_gltf
 from octolux.scene.materials import IDENTITY_UV
@@ -95,6 +96,18 @@ def test_a_transform_that_cannot_be_undone_stays_with_its_slot(textured):
     np.testing.assert_array_equal(mesh.uvs, textured.uvs)
     np.testing.assert_allclose(read_at(mesh, material.normal_texture), textured.uvs * (0, 1), atol=1e-7)
     np.testing.assert_allclose(read_at(mesh, material.emissive_texture), textured.uvs * 2, atol=1e-6)
+
+
+@pytest.mark.covers("glTF EXT_texture_webp", "image WEBP")
+def test_webp_goes_before_the_plain_image(textured, gltf):
+    Pillow.new("RGB", (4, 4), (10, 20, 30)).save(gltf.folder / "1.webp", lossless=True)
+    gltf.json["images"].append({"uri": "1.webp", "mimeType": "image/webp"})
+    gltf.json["textures"].append({"source": 0, "extensions": {"EXT_texture_webp": {"source": 1}}})
+    gltf.json["extensionsUsed"] = ["EXT_texture_webp"]
+    scene, _, material = textured({"normalTexture": slot(0), "emissiveTexture": slot(1)})
+    assert scene.warnings == []
+    assert tuple(material.emissive_texture.image.pixels[0, 0]) == (10, 20, 30, 255)
+    assert tuple(material.normal_texture.image.pixels[0, 0]) == (200, 100, 50, 255)
 
 
 def test_different_sets_of_coordinates_are_noted(textured):

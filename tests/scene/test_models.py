@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -33,7 +35,10 @@ def images(scene: Scene) -> set[int]:
     return {id(texture.image) for texture in used if texture}
 
 
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.covers(f"model {Path(name).suffix}", files=[name])) for name in MODELS],
+)
 def test_counts(scenes, name):
     scene = load_scene(scenes / name)
     assert (scene.triangle_count, len(scene.materials), len(images(scene)), len(scene.meshes)) == MODELS[name]
@@ -43,6 +48,7 @@ def test_every_obj_of_the_cornell_box_is_listed(scenes):
     assert {f"cornell-box/{path.name}" for path in (scenes / "cornell-box").glob("*.obj")} <= set(MODELS)
 
 
+@pytest.mark.covers("model .ply", files=["stanford-bunny/bun_zipper.ply"])
 def test_the_bunny_is_smooth_and_in_metres(scenes):
     scene = load_scene(scenes / "stanford-bunny" / "bun_zipper.ply")
     low, high = scene.bounds()
@@ -57,6 +63,7 @@ def test_the_bunny_is_smooth_and_in_metres(scenes):
     assert len(mesh.positions) < 1.1 * 34_834  # few of the vertices with faces are split
 
 
+@pytest.mark.covers("environment .hdr", files=["env/spiaggia_di_mondello_1k.hdr"])
 def test_the_environment_picture(toml, scenes):
     environment = toml('[environment]\nimage = "data:env/spiaggia_di_mondello_1k.hdr"\n').environment
     assert environment.image.shape == (512, 1024, 3)

@@ -6,12 +6,15 @@ from __future__ import annotations
 import json
 import os
 import sys
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image as Pillow
 
 from octolux.data import data_folder
+from octolux.scene import image_maps, images
 from octolux.scene.errors import OctoluxError, SceneError, one_line
 from octolux.scene.load import load_scene
 
@@ -24,6 +27,14 @@ CASES = 300
 HAS_DATA = (data_folder() / "scenes").is_dir()
 
 
+def formats(with_data: bool) -> set[str]:
+    """The formats of models among the cases below."""
+    return {Path(ORIGINALS[original_of(10_000 + case, with_data)].main).suffix for case in range(CASES)}
+
+
+MUTATED = sorted(f"model {suffix}" for suffix in formats(False) & formats(True))
+
+
 @pytest.mark.parametrize("number", [n for n, o in enumerate(ORIGINALS) if HAS_DATA or not o.needs_data])
 def test_originals_are_valid(number, tmp_path):
     for name, content in files_of(number).items():
@@ -33,6 +44,7 @@ def test_originals_are_valid(number, tmp_path):
     assert not [warning for warning in scene.warnings if "missing" in warning]
 
 
+@pytest.mark.covers(*MUTATED, broken=True)
 @pytest.mark.parametrize("first", range(0, CASES, 50))
 def test_a_scene_or_one_error(first, tmp_path):
     """Cases beyond those of the benchmark. Without the data folder other originals take the place of those in it."""
@@ -104,3 +116,71 @@ def test_numbers_of_thousands_of_digits_in_toml(tmp_path):
 def test_halves_of_surrogate_pairs_in_names(gltf):
     gltf.triangle().json["nodes"][0]["name"] = "half \ud800"
     assert load_scene(gltf.write()).instances[0].name == "half ?"
+
+
+def test_coordinates_beyond_all_images(gltf, tmp_path):
+    """1e38 squared is infinite, in a shader too, and the picture then not a number."""
+    (tmp_path / "m.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 1e38 0.25\nf 1/1 2/1 3/1\n")
+    np.testing.assert_array_equal(load_scene(tmp_path / "m.obj").meshes[0].uvs, [[0.0, 0.75]] * 3)
+    gltf.triangle()
+    uvs = gltf.add(np.array([[3e9, 0.5]] * 3, np.float32))
+    gltf.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = uvs
+    np.testing.assert_array_equal(load_scene(gltf.write()).meshes[0].uvs, [[0.0, 0.5]] * 3)
+    far = {"KHR_texture_transform": {"scale": [1e20, 1]}}
+    gltf.json |= {"materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "extensions": far}}}],
+                  "textures": [{}]}  # fmt: skip
+    with pytest.raises(SceneError, match="beyond"):
+        load_scene(gltf.write())
+
+
+def test_many_primitives_of_the_same_accessor(gltf):
+    """A kilobyte of JSON asks for a thousand million vertices."""
+    gltf.triangle()
+    gltf.json["accessors"][0]["count"] = 1 << 20
+    del gltf.json["accessors"][0]["bufferView"]
+    gltf.json["meshes"][0]["primitives"] *= 1000
+    with pytest.raises(SceneError, match="vertices, more than"):
+        load_scene(gltf.write())
+
+
+def test_toml_files_that_include_each_other_twice(tmp_path):
+    for link in range(30):
+        other = f'[[model]]\nfile = "{link + 1}.toml"\n'
+        (tmp_path / f"{link}.toml").write_text(other * 2)
+    (tmp_path / "30.toml").write_text("")
+    with pytest.raises(SceneError, match="more than 256"):
+        load_scene(tmp_path / "0.toml")
+
+
+def test_pictures_that_pillow_has_no_code_for(tmp_path):
+    header = bytearray(files_of(next(n for n, o in enumerate(ORIGINALS) if "wood.dds" in o.make()))["wood.dds"])
+    header[80:84] = (1 << 14).to_bytes(4, "little")  # flags of a pixel format that does not exist
+    (tmp_path / "a.dds").write_bytes(header)
+    with pytest.raises(SceneError, match="no readable picture"):
+        images.load_image(tmp_path / "a.dds", "a.dds")
+
+
+def test_large_pictures_take_little_more_than_their_pixels(tmp_path, monkeypatch):
+    """Colour, mask and heights; what is worked on at once is made as small against them as it is for the largest."""
+    for module in (images, image_maps):
+        monkeypatch.setattr(module, "_BAND", module._BAND >> 6)
+    Pillow.new("1", (1024, 1024), 1).save(tmp_path / "a.png")
+    (tmp_path / "m.obj").write_text("mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n")
+    (tmp_path / "m.mtl").write_text("newmtl m\nmap_Kd a.png\nmap_d a.png\nbump a.png\n")
+    material = load_scene(tmp_path / "m.obj").materials[0]
+    for texture in (material.base_color_texture, material.normal_texture):
+        tracemalloc.start()
+        assert texture.image.pixels.shape == (1024, 1024, 4)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert peak < 3 * texture.image.pixels.nbytes
+
+
+def test_names_that_are_not_utf8(tmp_path):
+    text = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\ng Tür\nusemtl Grün\nf 1 2 3\n"
+    (tmp_path / "m.obj").write_bytes(text.encode("latin-1"))
+    (tmp_path / "m.mtl").write_bytes("newmtl Grün\nKd 0 1 0\n".encode("latin-1"))
+    scene = load_scene(tmp_path / "m.obj")
+    assert scene.instances[0].name == "T\ufffdr"
+    assert scene.materials[0].base_color == (0.0, 1.0, 0.0)
+    assert not scene.warnings
