@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..output import write_json
-from ..output.atomic import replacing
+from ..output.atomic import remove_leftovers, replacing
 from ..scene.errors import OctoluxError
 from .choices import Choice
 from .metrics import Leak
@@ -93,6 +93,7 @@ class Report:
         folder = Path(folder)
         check_folder(folder)
         folder.mkdir(exist_ok=True)
+        remove_leftovers(folder)
         write_json(self.data, folder / FILES[0])
         with replacing(folder / FILES[1]) as temporary:
             temporary.write_text(html, encoding="utf-8")

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import base64
+import fcntl
 import json
 import os
 import select
 import shutil
-import subprocess
 from pathlib import Path
 from typing import Any, Self
 
@@ -20,22 +20,30 @@ def program() -> str | None:
     return next(filter(None, map(shutil.which, PROGRAMS)), None)
 
 
+def _high_pipe() -> tuple[int, int]:
+    """A pipe whose numbers are none of those that the browser uses."""
+    ends = os.pipe()
+    high = [fcntl.fcntl(end, fcntl.F_DUPFD_CLOEXEC, 10) for end in ends]
+    for end in ends:
+        os.close(end)
+    return high[0], high[1]
+
+
 class Chromium:
     """One page. `events` are all that it reported, oldest first: console messages, requests, exceptions."""
 
     def __init__(self, profile: Path, size: tuple[int, int] = (1280, 900), dark: bool = False):
-        commands, self._write = os.pipe()
-        self._read, answers = os.pipe()
+        commands, self._write = _high_pipe()
+        self._read, answers = _high_pipe()
         words = [
             str(program()), "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
             "--no-first-run", "--disable-background-networking", "--hide-scrollbars", "--remote-debugging-pipe",
             f"--user-data-dir={profile}",
         ]  # fmt: skip
-        # The browser reads commands from file 3 and writes answers to file 4; the shell moves the pipes there.
-        self._process = subprocess.Popen(
-            ["sh", "-c", f'exec "$@" 3<&{commands} 4>&{answers}', "sh", *words], pass_fds=(commands, answers),
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
+        # The browser reads commands from file 3 and writes answers to file 4.
+        files = [(os.POSIX_SPAWN_DUP2, commands, 3), (os.POSIX_SPAWN_DUP2, answers, 4)]
+        files += [(os.POSIX_SPAWN_OPEN, number, os.devnull, os.O_RDWR, 0) for number in (0, 1, 2)]
+        self._process = os.posix_spawn(words[0], words, os.environ, file_actions=files)
         os.close(commands)
         os.close(answers)
         self._bytes, self._number, self._session = b"", 0, ""
@@ -56,11 +64,8 @@ class Chromium:
 
     def __exit__(self, *error: object) -> None:
         os.close(self._write)  # the browser ends with its pipe
-        try:
-            self._process.wait(SECONDS)
-        finally:
-            self._process.kill()
-            os.close(self._read)
+        os.close(self._read)
+        os.waitpid(self._process, 0)
 
     def send(self, method: str, **parameters: Any) -> dict[str, Any]:
         """The command's result. Raises RuntimeError where the browser refuses it."""
