@@ -1,5 +1,8 @@
 """Valid scenes with faults in them, 5,000: one clear error or a picture, and nothing else.
 
+"noise" are warnings of libraries on stderr, "not_finite" pictures with pixels that are no numbers. A hang is one step,
+such as a run of the program, of more than 20 s.
+
 Every case goes through the program's own `octolux info`, which loads it. What that takes is loaded, moved to one second
 and rendered twice, by one renderer that all cases of a worker share, since a program of its own for each would take two
 hours. Every sixteenth case is also rendered by `octolux render`, which makes its own device and renderer.
@@ -27,7 +30,7 @@ CASES = 5000
 SECONDS = 20.0
 MOST_BYTES = 2 << 30
 _RENEW = 1 << 30  # a worker that has come to hold so much is replaced, for what it keeps is not the next case's
-_FAULTS = ("tracebacks", "several_errors", "not_finite", "hangs", "crashes", "over_memory")
+_FAULTS = ("tracebacks", "several_errors", "noise", "not_finite", "hangs", "crashes", "over_memory")
 _UNITS = {**dict.fromkeys(("cases", "pictures", "refused", *_FAULTS), "cases"), "longest": "s", "most_memory": "MB"}
 _REPOSITORY = Path(__file__).resolve().parents[1]
 
@@ -41,24 +44,35 @@ class Worker:
     def run(self, case: int) -> dict[str, Any]:
         """The answer of `mutated_child`, or one that says how the process ended."""
         process = self.process or self._started()
-        assert process.stdin and process.stdout
+        assert process.stdin
         hung = threading.Event()
-        watchdog = threading.Timer(SECONDS, lambda: (hung.set(), self.stop()))
-        watchdog.start()
-        try:
+        with suppress(BrokenPipeError):
             print(case, file=process.stdin, flush=True)
-            line = process.stdout.readline()
-        except OSError:
-            line = ""
-        watchdog.cancel()
+        while (line := self._line(process, hung)) == "step\n":
+            pass
         if line:
             found: dict[str, Any] = json.loads(line)
             if found["bytes"] > _RENEW:
                 self.stop()
             return found
+        code = process.wait()
         self.stop()
-        kind, text = ("hangs", "") if hung.is_set() else ("crashes", f"exit code {process.wait()}")
+        kind, text = ("hangs", "") if hung.is_set() else ("crashes", f"exit code {code}")
         return {"case": case, "outcome": "", "faults": {kind: text}, "seconds": SECONDS, "bytes": 0}
+
+    def _line(self, process: subprocess.Popen[str], hung: threading.Event) -> str:
+        """The next line of its answer; empty when it has ended, or had to be killed."""
+
+        def kill() -> None:
+            hung.set()
+            self.kill()
+
+        assert process.stdout
+        watchdog = threading.Timer(SECONDS, kill)
+        watchdog.start()
+        line = process.stdout.readline()
+        watchdog.cancel()
+        return line
 
     def _started(self) -> subprocess.Popen[str]:
         environment = {**os.environ, "PYTHONPATH": str(_REPOSITORY), "OCTOLUX_CACHE": "off", "COLUMNS": "200"}
@@ -71,11 +85,16 @@ class Worker:
             raise RuntimeError("benchmarks.mutated_child does not start")
         return self.process
 
-    def stop(self) -> None:
+    def kill(self) -> None:
         """Kill the process and its children, which are in a session of their own."""
         if self.process is not None:
             with suppress(ProcessLookupError):
                 os.killpg(self.process.pid, signal.SIGKILL)
+
+    def stop(self) -> None:
+        """End the process; the next case starts another."""
+        self.kill()
+        if self.process is not None:
             self.process.wait()
             self.process = None
 

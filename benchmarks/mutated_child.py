@@ -1,7 +1,8 @@
 """`python -m benchmarks.mutated_child`: runs the cases of `mutations` that standard input names, one a line.
 
-Answers each with a line of JSON: "outcome" (picture or refused), "faults" by kind, "seconds" and "bytes" of memory.
-The line "ready" says that everything is imported and the device is made.
+Answers each with a line of JSON: "outcome" (picture or refused), "faults" by kind, "seconds" of its longest step and
+"bytes" of memory. The line "ready" says that everything is imported and the device is made; a line "step" that one of
+a case's steps begins.
 """
 
 from __future__ import annotations
@@ -16,8 +17,9 @@ import time
 import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import numpy as np
 
@@ -37,14 +39,16 @@ CLI_EVERY = 16
 LONGEST_LINE = 600
 _SAMPLE = 0.02  # seconds between looks at the memory of child processes
 _RENDER = ("--size", "32x18", "--technique", "none", "--anti-aliasing", "off", "--shadow-resolution", "64",
-           "--rsm-resolution", "16", "--frames", "0..1", "--fps", "1", "--out", "picture.png")  # fmt: skip
+           "--rsm-resolution", "16", "--frames", "0..1", "--fps", "1", "--out", "picture.png", "--out",
+           "picture.exr")  # fmt: skip
 
 
 class Case:
     """One scene put through the program. outcome: "picture" or "refused"; faults: texts by kind."""
 
-    def __init__(self, number: int, path: Path, errors: int, renderer: Callable[[], octolux.Renderer]):
-        self.number, self.path, self.errors, self.renderer = number, path, errors, renderer
+    def __init__(self, number: int, path: Path, errors: int, renderer: Callable[[], octolux.Renderer],
+                 begin: Callable[[], None]):
+        self.number, self.path, self.errors, self.renderer, self.begin = number, path, errors, renderer, begin
         self.outcome, self.faults = "refused", dict[str, str]()
 
     def run(self) -> None:
@@ -56,6 +60,7 @@ class Case:
 
     def _program(self, *words: str) -> bool:
         """Run `octolux WORDS`, and look at what it says when it refuses. Whether it ends well."""
+        self.begin()
         os.ftruncate(self.errors, 0)
         os.lseek(self.errors, 0, os.SEEK_SET)
         code = _exit_code(words)
@@ -65,6 +70,8 @@ class Case:
         wrong = [line for line in lines if line.startswith("error:")]
         if code not in (0, 2) or "Traceback" in told:
             self.faults["tracebacks"] = f"{words[0]}: exit code {code}: {told[-3000:]}"
+        elif "Warning: " in told:
+            self.faults["noise"] = f"{words[0]}: {told[-500:]!r}"
         elif len(wrong) != (1 if code else 0) or (code and len(lines) != len(wrong)):
             self.faults["several_errors"] = f"{words[0]}: exit code {code}: {told[:500]!r}"
         elif code and not len("error: ") + 10 < len(wrong[0]) <= LONGEST_LINE:
@@ -72,6 +79,7 @@ class Case:
         return code == 0
 
     def _render(self) -> None:
+        self.begin()
         try:
             scene = load_scene(self.path)
             scene.bounds()
@@ -150,16 +158,22 @@ def _high_water(process: str) -> int:
     return 0
 
 
-def answer(number: int, errors: int, renderers: Renderers) -> dict[str, Any]:
-    start = time.perf_counter()
+def answer(number: int, errors: int, renderers: Renderers, answers: TextIO) -> dict[str, Any]:
+    times: list[float] = []
+
+    def begin() -> None:
+        times.append(time.perf_counter())
+        print("step", file=answers, flush=True)
+
     with tempfile.TemporaryDirectory() as folder, _peak() as peak:
         os.chdir(folder)
-        case = Case(number, write_case(number, Path(folder)), errors, renderers)
+        case = Case(number, write_case(number, Path(folder)), errors, renderers, begin)
         case.run()
+        times.append(time.perf_counter())
         used = peak()
     if "tracebacks" in case.faults:
         renderers.made = None
-    seconds = time.perf_counter() - start
+    seconds = max(after - before for before, after in pairwise(times))
     return {"case": number, "outcome": case.outcome, "faults": case.faults, "seconds": seconds, "bytes": used}
 
 
@@ -173,7 +187,7 @@ def serve() -> None:
     os.dup2(errors, 2)
     print("ready", file=answers, flush=True)
     for line in sys.stdin:
-        print(json.dumps(answer(int(line), errors, renderers)), file=answers, flush=True)
+        print(json.dumps(answer(int(line), errors, renderers, answers)), file=answers, flush=True)
 
 
 if __name__ == "__main__":

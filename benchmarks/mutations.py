@@ -6,6 +6,7 @@ faults are in the main file or in one of those that it names.
 
 from __future__ import annotations
 
+import io
 import json
 import random
 import re
@@ -15,6 +16,8 @@ import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+from PIL import Image as Pillow
 
 from .originals import ORIGINALS, files_of, glb
 
@@ -175,6 +178,15 @@ def size_of_picture(suffix: str) -> Fault:
     return change
 
 
+def large_png(dice: Dice, content: bytes) -> bytes:
+    """A whole picture of many pixels in few bytes, the largest just small enough to be read."""
+    stream = io.BytesIO()
+    size = dice.choice(((8192, 8192), (8192, 8193), (20_000, 3000), (60_000, 1), (1, 60_000), (3000, 2000)))
+    mode, color = dice.choice((("1", 1), ("L", 90), ("P", 3)))
+    Pillow.new(mode, size, color).save(stream, "PNG", compress_level=1)
+    return stream.getvalue()
+
+
 def size_of_jpeg(dice: Dice, content: bytes) -> bytes:
     """Height and width in the first frame header (ITU-T T.81, B.2.2)."""
     start = next((p for p in (content.find(bytes((0xFF, 0xC0 + n))) for n in range(3)) if p >= 0), -1)
@@ -310,6 +322,7 @@ def faults_of(suffix: str) -> tuple[Fault, ...]:
     if suffix == ".glb":
         return (in_glb,)
     own = (PICTURES[suffix],) * 5 if suffix in PICTURES else ()
+    own += (large_png,) if suffix == ".png" else ()
     return own + (TEXT * 2 if suffix in _TEXTS else ()) + ANY
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import pi
 
 import numpy as np
+from PIL import Image as Pillow
 
 from ..scene.lights import AreaLight, PointLight
 from ..scene.materials import Material
@@ -98,7 +99,15 @@ def _glow(material: Material) -> np.ndarray:
     glow = np.array(material.emissive, dtype=np.float64)
     if material.emissive_texture is None:
         return glow
-    return glow * srgb_decode(material.emissive_texture.image.pixels[..., :3] / 255.0).mean(axis=(0, 1))
+    pixels = material.emissive_texture.image.pixels
+    return glow * [_mean_linear(np.ascontiguousarray(pixels[..., channel])) for channel in range(3)]
+
+
+def _mean_linear(channel: np.ndarray) -> float:
+    """Mean of sRGB codes, uint8 (height, width), in linear light; of how often each code is there, for textures may be
+    as large as memory allows."""
+    counts = np.array(Pillow.fromarray(channel).histogram())
+    return float(counts @ srgb_decode(np.arange(256) / 255.0) / channel.size)
 
 
 def _quadrilateral(light: AreaLight) -> _Patches:

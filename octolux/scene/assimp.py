@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from .errors import SceneError
+from .geometry import usable_uvs
 
 BASE_FLAGS = ("Triangulate", "JoinIdenticalVertices", "SortByPType")
 # For a small file; what it holds may grow so much when it is read that a larger file needs more of both. Bytes read a
@@ -46,13 +47,13 @@ class Part:
     colors: np.ndarray | None
 
     def image_uvs(self) -> np.ndarray:
-        """float32 (vertices, 2), v turned to point down; zeros where the file has none or what it has is not finite."""
+        """float32 (vertices, 2), v turned to point down; zeros where the file has none or none that are of use."""
         uvs = np.zeros((len(self.positions), 2), np.float32)
         if self.uvs is None:
             return uvs
         uvs[:, : min(2, self.uvs.shape[1])] = self.uvs[:, :2]
         uvs[:, 1] = 1.0 - uvs[:, 1]
-        return np.where(np.isfinite(uvs), uvs, np.float32(0.0))
+        return usable_uvs(uvs)
 
 
 @dataclass(frozen=True)

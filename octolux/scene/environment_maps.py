@@ -99,13 +99,17 @@ def _pillow(path: Path) -> np.ndarray:
         pixels = load_image(path, path.name).pixels
     except SceneError as error:
         raise HdrFault(f"it is neither .hdr, .exr nor one of {', '.join(FORMATS)} ({error.problem})") from error
-    return srgb_decode(np.arange(256) / 255).astype(np.float32)[pixels[..., :3]]
+    decoded, table = np.empty((*pixels.shape[:2], 3), np.float32), srgb_decode(np.arange(256) / 255).astype(np.float32)
+    for row, codes in zip(decoded, pixels, strict=True):  # one at a time: indices take eight bytes a channel
+        row[:] = table[codes[:, :3]]
+    return decoded
 
 
 def _repaired(pixels: np.ndarray, scale: float, empty: SceneError, path: Path, warnings: list[str]) -> np.ndarray:
     """The pixels times `scale`, every one finite and not negative. Raises `empty` when none is finite."""
     with np.errstate(over="ignore", invalid="ignore"):
-        scaled = np.ascontiguousarray(pixels * np.float32(scale), np.float32)
+        scaled = np.multiply(pixels, np.float32(scale), out=pixels if pixels.flags.writeable else None)
+    scaled = np.ascontiguousarray(scaled, np.float32)
     good = np.isfinite(scaled) & (scaled >= 0)
     if good.all():
         return scaled

@@ -17,7 +17,7 @@ def mesh_arrays(positions: Any, indices: Any, normals: Any, uvs: Any, colors: An
     points = _floats("positions", positions, (3,))
     corners = _indices(indices, len(points))
     count = len(points)
-    texels = np.zeros((count, 2), np.float32) if uvs is None else _floats("uvs", uvs, (2,), count)
+    texels = np.zeros((count, 2), np.float32) if uvs is None else geometry.usable_uvs(_floats("uvs", uvs, (2,), count))
     tints = None if colors is None else _colors(colors, count)
     if normals is None:
         points, shading, corners, (texels, tints) = creased(points, corners, (texels, tints))  # type: ignore[assignment]

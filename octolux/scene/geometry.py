@@ -12,6 +12,9 @@ import numpy as np
 # in float64, so that below this the direction of the normal is noise.
 FLATNESS = 1e-12
 
+LARGEST_UV = float(1 << 24)
+"""From here on a float32 has no fraction, so that a texture coordinate says nothing; their squares are still finite."""
+
 
 def face_vectors(positions: np.ndarray, indices: np.ndarray) -> np.ndarray:
     """float64 (triangles, 3): the normals of the triangles, each as long as twice its area."""
@@ -46,6 +49,13 @@ def repair_normals(positions: np.ndarray, normals: np.ndarray, indices: np.ndarr
     if bad.any():
         normals[bad] = smooth_normals(positions, indices)[bad]
     return unit(normals, fallback=(0.0, 1.0, 0.0)).astype(np.float32)
+
+
+def usable_uvs(uvs: np.ndarray) -> np.ndarray:
+    """float32 (vertices, 2): `uvs`, 0 where they are not finite or beyond LARGEST_UV."""
+    with np.errstate(invalid="ignore"):
+        usable = np.abs(uvs) < LARGEST_UV
+    return uvs if usable.all() else np.where(usable, uvs, np.float32(0.0))
 
 
 def flat(positions: np.ndarray, uvs: np.ndarray, indices: np.ndarray) -> tuple[np.ndarray, ...]:

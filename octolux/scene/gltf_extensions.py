@@ -8,6 +8,7 @@ from math import cos, sin
 
 import numpy as np
 
+from .geometry import LARGEST_UV, usable_uvs
 from .gltf_json import Fields
 from .materials import IDENTITY_UV, Color, UvTransform
 from .specular_glossiness import base_and_metallic
@@ -42,9 +43,9 @@ class UvUse:
     def apply(self, uvs: np.ndarray) -> np.ndarray:
         """float32 (vertices, 2): the coordinates at which a texture is read."""
         if self == UvUse(self.texcoord):
-            return uvs
+            return usable_uvs(uvs)
         matrix = self.matrix()
-        return (uvs @ matrix[:2, :2].T + matrix[:2, 2]).astype(np.float32)
+        return usable_uvs((usable_uvs(uvs) @ matrix[:2, :2].T + matrix[:2, 2]).astype(np.float32))
 
     def after(self, baked: UvUse) -> UvTransform:
         """What is left to do where `baked`, which can be undone, has been applied."""
@@ -70,12 +71,10 @@ def uv_use(slot: Fields) -> UvUse:
     transform = slot.extension("KHR_texture_transform")
     if transform is None:
         return UvUse(texcoord)
-    return UvUse(
-        transform.integer("texCoord", texcoord, high=63),
-        transform.numbers("offset", 2, (0.0, 0.0)),
-        transform.number("rotation", 0.0),
-        transform.numbers("scale", 2, (1.0, 1.0)),
-    )
+    offset, scale = transform.numbers("offset", 2, (0.0, 0.0)), transform.numbers("scale", 2, (1.0, 1.0))
+    if max(map(abs, (*offset, *scale))) > LARGEST_UV:
+        raise transform.error(f"its 'offset' or 'scale' is beyond {LARGEST_UV:g}")
+    return UvUse(transform.integer("texCoord", texcoord, high=63), offset, transform.number("rotation", 0.0), scale)
 
 
 def emissive(fields: Fields) -> Color:

@@ -15,6 +15,9 @@ from .gltf_json import Fields
 from .meshes import Mesh
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
+# A device's largest buffer holds four million (128 MiB at 32 bytes each). Any number of primitives may show the same
+# accessors, so that without a bound a file of a kilobyte could ask for all memory.
+_MOST_VERTICES = 1 << 23
 _LEFT_OUT = {0: "points", 1: "lines", 2: "lines", 3: "lines"}
 
 
@@ -31,6 +34,14 @@ class MeshTable:
     targets: list[int] = field(default_factory=list)
     fields: list[Fields] = field(default_factory=list)
     empty: list[str] = field(default_factory=list)  # places of primitives in which no triangle has an area
+    vertices: int = 0  # so far, those of morph targets included
+
+    def take(self, primitive: Fields, vertices: int) -> None:
+        """Count the vertices that a primitive is about to become. Raises SceneError when there are too many."""
+        self.vertices += vertices * (1 + self.targets[-1])
+        if self.vertices > _MOST_VERTICES:
+            problem = f"with it the file has {self.vertices} vertices, more than {_MOST_VERTICES}"
+            raise primitive.error(problem, "split the model, or make it coarser")
 
 
 def read_meshes(root: Fields, accessors: Accessors, uv_uses: list[UvUse], warnings: list[str]) -> MeshTable:
@@ -48,7 +59,7 @@ def read_meshes(root: Fields, accessors: Accessors, uv_uses: list[UvUse], warnin
         table.targets.append(_target_count(fields, primitives))
         table.fields.append(fields)
         for primitive in primitives:
-            mesh = _primitive(primitive, accessors, uv_uses, fields.string("name", ""), warnings)
+            mesh = _primitive(primitive, accessors, uv_uses, fields.string("name", ""), table, warnings)
             if mesh is None:
                 continue
             if not geometry.has_area(mesh.positions, mesh.indices).any():
@@ -61,7 +72,7 @@ def read_meshes(root: Fields, accessors: Accessors, uv_uses: list[UvUse], warnin
 
 
 def _primitive(
-    fields: Fields, accessors: Accessors, uv_uses: list[UvUse], name: str, warnings: list[str]
+    fields: Fields, accessors: Accessors, uv_uses: list[UvUse], name: str, table: MeshTable, warnings: list[str]
 ) -> Mesh | None:
     mode = fields.integer("mode", _TRIANGLES, high=6)
     if mode in _LEFT_OUT:
@@ -75,6 +86,7 @@ def _primitive(
     positions = _attribute(attributes, accessors, "POSITION", 3)
     indices = _indices(fields, accessors, len(positions), mode, warnings)
     slot = len(uv_uses) - 1 if material is None else material
+    table.take(fields, max(len(positions), 0 if "NORMAL" in attributes else indices.size))  # flat without normals
     movers = read_movers(fields, attributes, accessors, len(positions), warnings)
     return _mesh(attributes, accessors, positions, indices, movers, slot, uv_uses[slot], name)
 

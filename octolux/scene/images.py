@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import io
 import os
-import struct
-import zlib
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -26,8 +24,7 @@ from .materials import Image
 MAX_PIXELS = 8192 * 8192  # 256 MiB as RGBA; the largest square that every WebGPU device can hold
 # Named one by one because Pillow's full list holds formats that start other programs (EPS) or are no pictures.
 FORMATS = ("PNG", "JPEG", "WEBP", "TGA", "BMP", "TIFF", "GIF", "DDS", "PPM")
-# What Pillow's readers raise on broken input, beside OSError, of which its own UnidentifiedImageError is a kind.
-_BROKEN = (OSError, SyntaxError, ValueError, EOFError, IndexError, KeyError, TypeError, struct.error, zlib.error)
+_BAND = 1 << 22  # pixels converted at once, so that what a picture of MAX_PIXELS takes beside itself stays small
 _BOMB = (Pillow.DecompressionBombError, Pillow.DecompressionBombWarning)
 
 
@@ -79,9 +76,11 @@ def _opened(source: ImageSource, encoded: bytes) -> Iterator[Pillow.Image]:
             if picture.width * picture.height > MAX_PIXELS:
                 raise _too_large(source, f"{picture.width} x {picture.height} pixels")
             yield picture
+    except SceneError:
+        raise
     except _BOMB as error:
         raise _too_large(source, "far too many pixels") from error
-    except _BROKEN as error:
+    except Exception as error:  # Pillow's readers raise nearly anything: NotImplementedError, KeyError, struct.error
         raise _unreadable(source, error) from error
 
 
@@ -97,7 +96,7 @@ def from_pillow(picture: Pillow.Image, name: str) -> Image:
         raise _too_large(source, f"{picture.width} x {picture.height} pixels")
     try:
         return Image(_rgba(picture), name)
-    except _BROKEN as error:
+    except Exception as error:
         raise _unreadable(source, error) from error
 
 
@@ -113,6 +112,19 @@ def _too_large(source: ImageSource, size: str) -> SceneError:
 
 
 def _rgba(picture: Pillow.Image) -> np.ndarray:
+    """uint8 (height, width, 4), converted in bands of rows."""
+    width, height = picture.size
+    step = max(1, _BAND // width)
+    if step >= height:
+        return _converted(picture)
+    pixels = np.empty((height, width, 4), np.uint8)
+    for top in range(0, height, step):
+        bottom = min(top + step, height)
+        pixels[top:bottom] = _converted(picture.crop((0, top, width, bottom)))
+    return pixels
+
+
+def _converted(picture: Pillow.Image) -> np.ndarray:
     if picture.mode.startswith("I"):  # 16-bit grey; Pillow's own conversion clips it to white
         grey = np.clip(np.asarray(picture).astype(np.int64) >> 8, 0, 255).astype(np.uint8)
         return np.dstack([grey, grey, grey, np.full_like(grey, 255)])

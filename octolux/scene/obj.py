@@ -14,7 +14,7 @@ from .errors import SceneError
 from .files import NotAFile
 from .meshes import Instance, Mesh
 from .mtl import MtlEntry, read_mtl
-from .obj_faults import find_fault, without_lines
+from .obj_faults import cleaned, find_fault
 from .scene import Scene
 
 _MTLLIB = re.compile(rb"^[ \t]*mtllib[ \t]+(.+?)[ \t\r]*$", re.MULTILINE)
@@ -51,12 +51,13 @@ def _import(path: Path, warnings: list[str]) -> Model:
     try:
         return import_model(path)
     except AssimpRefusal as refusal:
-        if refusal.kind != "ValueError":  # which is its answer to lines and points beside the triangles
+        if refusal.kind == "ValueError":  # its answer to lines and points beside the triangles
+            warnings.append(f"{path}: lines and points are left out; only faces are drawn")
+        elif refusal.kind != "UnicodeDecodeError":  # that to names in Latin-1 and the like
             raise _fault(path, refusal) from refusal
-    warnings.append(f"{path}: lines and points are left out; only faces are drawn")
     try:
-        with without_lines(path) as faces_only:
-            return import_model(faces_only)
+        with cleaned(path) as copy:
+            return import_model(copy)
     except AssimpRefusal as refusal:
         raise _fault(path, refusal) from refusal
 

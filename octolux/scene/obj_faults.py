@@ -56,9 +56,10 @@ def _face_problem(corners: list[str], before: dict[str, int], totals: dict[str, 
 
 
 @contextmanager
-def without_lines(path: Path) -> Iterator[Path]:
-    """A temporary copy of an OBJ file without its lines, points and faces of fewer than three corners."""
+def cleaned(path: Path) -> Iterator[Path]:
+    """A temporary copy of an OBJ file without its lines, points and faces of fewer than three corners, its names in
+    UTF-8, where bytes that are none are replaced as `read_mtl` does."""
     with tempfile.TemporaryDirectory() as folder:
         copy = Path(folder) / path.name
-        copy.write_bytes(_NOT_FACES.sub(b"", path.read_bytes()))
+        copy.write_text(_NOT_FACES.sub(b"", path.read_bytes()).decode("utf-8", "replace"), "utf-8", newline="")
         yield copy

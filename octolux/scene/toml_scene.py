@@ -32,6 +32,9 @@ MATERIAL_KEYS = ("name", "base_color", "alpha", "metallic", "roughness", "specul
                  "alpha_mode", "alpha_cutoff", "double_sided", "textures")
 
 _open_files: ContextVar[tuple[Path, ...]] = ContextVar("open_files", default=())
+# Files that include each other twice, in a chain, are read twice as often with every link.
+_MOST_FILES = 256
+_read_files: ContextVar[list[Path] | None] = ContextVar("read_files", default=None)
 
 
 def load_toml(path: str | Path) -> Scene:
@@ -69,11 +72,16 @@ def _opened(path: Path) -> Iterator[None]:
     if real in above:
         chain = " -> ".join(p.name for p in (*above[above.index(real):], real))
         raise SceneError(path, "[[model]]", f"the file includes itself: {chain}", "take one of these models out")
-    token = _open_files.set((*above, real))
+    read = (above and _read_files.get()) or []
+    read.append(real)
+    if len(read) > _MOST_FILES:
+        raise SceneError(path, "", f"more than {_MOST_FILES} TOML files are read", "write the scene in fewer files")
+    tokens = _open_files.set((*above, real)), _read_files.set(read)
     try:
         yield
     finally:
-        _open_files.reset(token)
+        _open_files.reset(tokens[0])
+        _read_files.reset(tokens[1])
 
 
 def _parsed(path: Path) -> dict[str, Any]:
