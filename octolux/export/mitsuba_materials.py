@@ -100,10 +100,12 @@ class MaterialWriter:
         texture, scale = material.normal_texture, material.normal_scale
         assert texture is not None
         number = self._number(texture.image)
-        normals = texture.image.pixels[..., :3] / 127.5 - 1.0
-        normals[..., :2] *= scale
-        normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-6)
-        pixels = np.rint(normals * 127.5 + 127.5).astype(np.uint8)
+        pixels = np.ascontiguousarray(texture.image.pixels[..., :3])
+        if scale != 1.0:
+            normals = pixels / 127.5 - 1.0
+            normals[..., :2] *= scale
+            normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-6)
+            pixels = np.rint(normals * 127.5 + 127.5).astype(np.uint8)
         key = (number, "normal", scale)
         return self._bitmap(texture, self.files.png(key, f"image-{number}-normal-{scale:.6g}.png", pixels), raw=True)
 

@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from estimators import mean_and_variance
 
 from octolux.export.files import FileFolder
 from octolux.export.mitsuba import mitsuba_description
 from octolux.scene.cameras import Camera
 from octolux.scene.scene import Scene
-from octolux.simulator.camera import pixel_rays
 
 BATCHES = 16
 
@@ -123,15 +123,6 @@ def render_with_mitsuba(
     of about 1 +- sqrt(2 / (BATCHES - 1)) in pixels where their means are normally distributed.
     """
     return mean_and_variance(Witness(scene, camera, size, **integrator).batches(spp, seed, paths))
-
-
-def mean_and_variance(batches: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of independent estimates (count, ...): their mean and the variance of the mean, (...)."""
-    return batches.mean(axis=0), batches.var(axis=0, ddof=1) / len(batches)
-
-
-def octolux_rays(camera: Camera, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
-    return pixel_rays(camera, *size)
 
 
 def as_dict(description: dict[str, Any], folder: Path) -> dict[str, Any]:
