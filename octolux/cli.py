@@ -71,6 +71,8 @@ def render(
     technique: cli_options.Technique = "uniform-lpv",
     preset: cli_options.Preset = "default",
     set_: cli_options.Set = [],  # noqa: B006
+    samples: cli_options.Paths = None,
+    noise: cli_options.Noise = None,
     default_light: cli_options.DefaultLight = True,
     sky_lights: cli_options.SkyLights = 32,
     shadow_resolution: cli_options.ShadowResolution = 1024,
@@ -92,7 +94,15 @@ def render(
     stats: cli_options.Stats = None,
 ) -> None:
     """Render SCENE and print what each stage cost."""
-    plan = _plan(out, frames, fps, size, FileOptions(bits, alpha, layer_names(layers)), resume)
+    from .techniques import technique_class
+
+    given = {"samples": samples, "noise": noise}
+    overrides = {**_overrides(set_), **{key: str(value) for key, value in given.items() if value is not None}}
+    settings = technique_class(technique).settings_class.from_strings(preset, overrides)
+    options = FileOptions(
+        bits, alpha, layer_names(layers), paths=getattr(settings, "samples", 0), noise=getattr(settings, "noise", 0.0)
+    )  # fmt: skip
+    plan = _plan(out, frames, fps, size, options, resume)
     if stats:
         check_writable(stats, [".json"])
     from .frame.frame import FrameSettings
@@ -100,9 +110,7 @@ def render(
     from .renderer import Renderer
     from .scene.load import load_scene
     from .sequence import Timeline
-    from .techniques import technique_class
 
-    settings = technique_class(technique).settings_class.from_strings(preset, _overrides(set_))
     loaded = load_scene(scene)
     plan.remove_leftovers()
     if not plan.missing and not plan.videos:
@@ -133,7 +141,8 @@ def _make(plan: Plan, timeline: Timeline, stats: Path | None) -> None:
     """Render what is missing, write it, and say what was done."""
     from .sequence import render_frames
 
-    made = render_frames(plan, timeline, console.track)
+    with console.rounds() as timeline.renderer.progress:
+        made = render_frames(plan, timeline, console.track)
     for line in made.summary(plan):
         console.out.print(line, markup=False, soft_wrap=True)
     if made.interrupted:

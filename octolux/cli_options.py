@@ -26,6 +26,8 @@ Scene = Annotated[
 Technique = Annotated[str, _option(_LIGHT, "NAME", "How indirect light is computed; `octolux techniques` lists them.")]
 Preset = Annotated[str, _option(_LIGHT, "NAME", "The technique's preset.")]
 Set = Annotated[list[str], _option(_LIGHT, "KEY=VALUE", "A setting of the technique; repeat for more.", "--set")]
+Paths = Annotated[int | None, _option(_LIGHT, "N", "Paths through each pixel, of a technique that traces them.")]
+Noise = Annotated[float | None, _option(_LIGHT, "X", "Stop tracing when the picture's relative error is below X.")]
 DefaultLight = Annotated[bool, _option(_LIGHT, None, "Sun and sky for scenes in which nothing shines.")]
 SkyLights = Annotated[
     int, _option(_LIGHT, "N", "Distant lights that stand for the surroundings; 0: these light nothing.", min=0, max=200)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import typer.core
@@ -63,6 +64,29 @@ def _lines(frames: Sequence[int]) -> Iterator[int]:
             left = (now - start) / done * (len(frames) - done)
             notes.print(f"{done} of {len(frames)} frames, {left:.0f} s left")
         yield frame
+
+
+@contextmanager
+def rounds() -> Iterator[Callable[[int, int], bool]]:
+    """How far a frame is that takes many rounds: a bar with the time left on a terminal, else a line now and then."""
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    bar = Progress(*columns, console=notes, transient=True, disable=not notes.is_terminal)
+    task = bar.add_task("paths", total=None, visible=False)
+    start = said = time.monotonic()
+
+    def tell(done: int, total: int) -> bool:
+        nonlocal start, said
+        now = time.monotonic()
+        if done == 1:
+            start = said = now
+        bar.update(task, completed=done, total=total, visible=done < total)
+        if not notes.is_terminal and now - said >= _LINE_EVERY:
+            said = now
+            notes.print(f"{done} of {total} paths, {(now - start) / max(done - 1, 1) * (total - done):.0f} s left")
+        return True
+
+    with bar:
+        yield tell
 
 
 def print_statistics(statistics: dict[str, Any]) -> None:

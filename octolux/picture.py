@@ -27,6 +27,7 @@ class Picture:
 
     radiance: (height, width, 3), nits.  alpha: (height, width), the share of the pixel that surfaces cover.
     display: uint8 (height, width, 4), exposed, tone-mapped, sRGB, opaque.
+    paths: through each pixel, of a technique that traces them; else 0.
     exposure: EV100 of `display`.  object_names: the numbers of layer `object_id` and the names of their instances.
 
     The device's pictures are read when the Picture is made, so that later frames do not change it. With several samples
@@ -45,7 +46,8 @@ class Picture:
         self._surface = device.read_texture(t.surface, np.uint32, 4)
         self._depth = device.read_texture(t.depth, np.float32, 1)[..., 0]
         direct = device.read_texture(t.direct, np.float32, 4)
-        self._direct, self._noise = direct[..., :3], direct[..., 3] if frame.noise else None
+        self._direct, self._noise = direct[..., :3], direct[..., 3] if frame.paths else np.zeros_like(direct[..., 3])
+        self.paths = frame.paths
         self._indirect = device.read_texture(frame.indirect, np.float32, 4)[..., :3] if frame.indirect else None
         self._irradiance = self._optional(device, frame.irradiance)
         self._specular = self._optional(device, frame.specular)
@@ -68,9 +70,15 @@ class Picture:
         return self.radiance
 
     @property
-    def noise(self) -> np.ndarray | None:
-        """Standard error of the pixels' luminance, nits, float32 (height, width); None for techniques without noise."""
+    def noise(self) -> np.ndarray:
+        """Standard error of the pixels' luminance, nits, float32 (height, width); 0 for techniques without noise."""
         return self._noise
+
+    @property
+    def relative_error(self) -> float:
+        """Root mean square of `noise` over the mean luminance of the picture."""
+        mean = float((self.radiance.astype(np.float64) @ REC709_LUMINANCE).mean())
+        return float(np.sqrt((self._noise.astype(np.float64) ** 2).mean())) / max(mean, 1e-30)
 
     @property
     def mask(self) -> np.ndarray:
@@ -120,6 +128,7 @@ class Picture:
             "position": self._positions(),
             "depth": self._depth,
             "alpha": self.alpha,
+            "noise": self.noise,
             "object_id": self._object_ids(),
             "motion": self._motion(),
         }

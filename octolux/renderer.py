@@ -13,7 +13,7 @@ from .frame.composite import CompositePass
 from .frame.direct import DirectLightPass
 from .frame.emitters import EmitterLight, emitter_lights
 from .frame.environment import SurroundingsMap
-from .frame.frame import COARSE_BLOCK, Frame, FrameBuffers, FrameSettings, Targets
+from .frame.frame import COARSE_BLOCK, Frame, FrameBuffers, FrameSettings, Targets, TracedPaths
 from .frame.gbuffer import GBufferPass
 from .frame.lights import light_set
 from .frame.rsm import RSMPass
@@ -52,6 +52,7 @@ class Renderer:
     default_light: let sun and sky shine where nothing in the scene does.
     device: share one between renderers; profile: time each stage (adds a wait per stage where timestamps are wrong).
 
+    `start`, where set, is what the next picture of a technique that traces paths goes on from.
     `progress`, where set, is told how much of a long frame is done, of how much, and returns whether to go on: what is
     there then is the picture.
     `previous` is the scene of the frame before, from which the layer `motion` is made; it is kept up by `render`.
@@ -73,6 +74,7 @@ class Renderer:
         if chosen.replaces_direct:  # it takes its own samples of a pixel
             self.samples, self._filtered = 1, False
         self.progress: Callable[[int, int], bool] | None = None
+        self.start: TracedPaths | None = None
         self.default_light = default_light
         self.previous: Scene | None = None
         self._by_hand: Camera | None = None  # the camera of the frame before, where it was none of the scene's
@@ -118,6 +120,7 @@ class Renderer:
             with self.profiler.frame():
                 self._draw(frame)
             picture = Picture(self.device, frame, self.exposure, self._composite.tone_map, self._before(camera))
+        self.start = None
         lists: dict[str, Any] = {name: list(getattr(self.scene, name)) for name in _LISTS}
         self.previous = replace(self.scene, **lists)
         self._by_hand = camera if isinstance(camera, Camera) else None
@@ -185,7 +188,7 @@ class Renderer:
         return Frame(
             self.device, profiler, scene, gpu_scene, settings, self.targets, lights, views, draws, buffers,
             samples=samples, exposure_factor=self._exposure_factor(), metering=metering, progress=self.progress,
-            surroundings_map=self._surroundings,
+            start=self.start, surroundings_map=self._surroundings,
         )  # fmt: skip
 
     def _view(self, camera: Camera) -> View:

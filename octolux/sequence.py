@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from . import __version__
-from .output import complete, png, video, write_picture
+from .output import complete, exr, png, video, write_picture
 from .output.atomic import remove_leftovers
 from .output.options import FileOptions
 from .picture import Picture
@@ -113,6 +113,8 @@ class Plan:
         if not self.resume:
             return {frame: self._files(frame) for frame in self.frames}
         lacking = {frame: [p for p in self._files(frame) if not self._complete(p)] for frame in self.frames}
+        if self.options.paths:  # of a picture that more paths go into, all files are made anew
+            lacking = {frame: self._files(frame) if paths else [] for frame, paths in lacking.items()}
         return {frame: paths for frame, paths in lacking.items() if paths or (self.videos and not self._stored(frame))}
 
     @cached_property
@@ -188,21 +190,42 @@ def render_frames(plan: Plan, timeline: Timeline, track: Track = iter) -> Made:
     frames = plan.frames if plan.videos else list(plan.missing)
     with ExitStack() as stack, _ctrl_c() as pressed:
         videos = [stack.enter_context(video.Video(path, plan.size, plan.fps)) for path in plan.videos]
+        stack.enter_context(_stopped_by(timeline.renderer, pressed))
         for frame in track(frames):
             pixels = _frame(plan, timeline, frame, made)
             for file in videos:
                 file.add(pixels)
-            if pressed.is_set() and frame != frames[-1]:
+            if pressed.is_set() and (frame != frames[-1] or _unfinished(plan, made.last)):
                 made.interrupted = True
                 break
     made.written += [file.path for file in videos if file.frames]
     return made
 
 
+@contextmanager
+def _stopped_by(renderer: Renderer, pressed: threading.Event) -> Iterator[None]:
+    """Let a long frame end early, with what is there of it, when the event is set."""
+    ask = renderer.progress
+    renderer.progress = lambda done, total: (ask is None or ask(done, total)) and not pressed.is_set()
+    try:
+        yield
+    finally:
+        renderer.progress = ask
+
+
+def _unfinished(plan: Plan, picture: Picture | None) -> bool:
+    options = plan.options
+    return picture is not None and picture.paths < options.paths and not picture.relative_error <= options.noise
+
+
 def _frame(plan: Plan, timeline: Timeline, frame: int, made: Made) -> np.ndarray:
     """Make one frame and write its files; uint8 (height, width, 3) for videos."""
     if frame not in plan.missing:
         return plan.stored_display(frame)
+    if plan.resume and plan.options.paths:
+        settings = timeline.renderer.technique.settings.as_dict()
+        starts = (exr.traced(path, settings) for path in plan.missing[frame] if path.suffix.lower() == ".exr")
+        timeline.renderer.start = next((s for s in starts if s and s.radiance.shape[:2] == plan.size[::-1]), None)
     made.last = picture = timeline.render(frame)
     made.rendered += 1
     about = {**plan.options.metadata, **timeline.metadata(frame)}

@@ -81,6 +81,19 @@ class Targets:
         return self._other_radiance
 
 
+@dataclass(frozen=True, eq=False)
+class TracedPaths:
+    """Means over `count` paths a pixel, to go on from: float32 (height, width, 3) radiance, direct and indirect, nits;
+    (height, width, 1) alpha, and the standard error of the pixel's luminance."""
+
+    count: int
+    radiance: np.ndarray
+    alpha: np.ndarray
+    direct: np.ndarray
+    indirect: np.ndarray
+    noise: np.ndarray
+
+
 @dataclass(eq=False)
 class Frame:
     """Everything one picture needs. `views` are the camera's and then one for each shadow map.
@@ -90,10 +103,11 @@ class Frame:
     irradiance: rgba32float texture a technique writes: irradiance before albedo, and ambient visibility in alpha;
     specular: radiance already weighted by the BRDF. None is black.
     radiance: rgba32float texture of a technique that makes the whole picture: radiance, and coverage in alpha;
-    `indirect` is then its part of it, and the targets' direct light is the technique's; noise: whether its alpha is the
-    standard error of the pixel's luminance.
+    `indirect` is then its part of it, and the targets' direct light is the technique's; paths: how many of each pixel
+    are in it, if it has noise: the direct light's alpha is then the standard error of the pixel's luminance.
     sample, samples: which of the samples of each pixel is being made, and of how many.
     exposure_factor: from nits to the picture's unit.  metering: the frame is only made to set the exposure.
+    start: paths of an earlier run that the picture goes on from.
     progress: told how much of a long frame is done, of how much; it returns whether to go on.
     """
 
@@ -115,11 +129,12 @@ class Frame:
     specular: Any = None
     radiance: Any = None
     indirect: Any = None
-    noise: bool = False
+    paths: int = 0
     sample: int = 0
     samples: int = 1
     exposure_factor: float = 1.0
     metering: bool = False
+    start: TracedPaths | None = None
     progress: Callable[[int, int], bool] | None = None
     surroundings_map: Any = None
 

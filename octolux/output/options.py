@@ -14,6 +14,7 @@ _RGB, _XYZ, _XY = ("R", "G", "B"), ("X", "Y", "Z"), ("X", "Y")
 LAYERS: dict[str, tuple[str, ...]] = {
     "radiance": _RGB, "direct": _RGB, "indirect": _RGB, "irradiance": _RGB, "specular": _RGB, "emissive": _RGB,
     "albedo": _RGB, "normal": _XYZ, "position": _XYZ, "motion": _XY, "depth": (), "alpha": (), "object_id": (),
+    "noise": (),
 }  # fmt: skip
 
 
@@ -24,6 +25,7 @@ class FileOptions:
     bits: of a PNG's channel, 8 or 16.  alpha: PNG with a transparent background.
     layers: names of LAYERS to write to EXR and NPZ; None for all.
     metadata: written into EXR headers; texts, whole numbers, floats and fractions.
+    paths, noise: a traced EXR of fewer paths a pixel is not complete, unless its relative error is at most `noise`.
 
     Raises OctoluxError for other bits or an unknown layer.
     """
@@ -32,6 +34,8 @@ class FileOptions:
     alpha: bool = False
     layers: tuple[str, ...] | None = None
     metadata: dict[str, Any] = field(default_factory=dict)
+    paths: int = 0
+    noise: float = 0.0
 
     def __post_init__(self) -> None:
         if self.bits not in (8, 16):

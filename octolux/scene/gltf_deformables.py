@@ -42,7 +42,8 @@ def _joints(attributes: Fields, accessors: Accessors, count: int,
     joints, weights = (np.hstack(arrays) for arrays in zip(*sets, strict=True))
     sums = weights.sum(axis=1, keepdims=True)
     if not sums.all():
-        warnings.append(f"{attributes.place}: {int((sums == 0).sum())} vertices have no weight; they follow their first joint")
+        count = int((sums == 0).sum())
+        warnings.append(f"{attributes.place}: {count} vertices have no weight; they follow their first joint")
         weights[:, :1], sums = np.where(sums > 0, weights[:, :1], 1.0), np.where(sums > 0, sums, 1.0)
     used = weights.any(axis=0)
     # Files may have any number beside a weight of zero.

@@ -1,0 +1,1 @@
+"""`path-tracer`: unbiased light transport, the reference of all techniques."""
