@@ -33,15 +33,21 @@ class Choice:
         return {"seed", "samples"} <= {field.name for field in dataclasses.fields(self.settings)}
 
 
-def choice(text: str) -> Choice:
-    """`uniform-lpv`, `uniform-lpv:paper`, `uniform-lpv:paper,n=64`. Raises SettingsError that names the nearest."""
+def choice(text: str, as_reference: bool = False) -> Choice:
+    """`uniform-lpv`, `uniform-lpv:paper`, `uniform-lpv:paper,n=64`. Raises SettingsError that names the nearest.
+
+    as_reference: without a preset take the one named `reference`, where there is one: it shows what other techniques
+    would, if they were right.
+    """
     found = _CHOICE.fullmatch(text.strip())
     if not found:
         raise OctoluxError(f"A technique is NAME:PRESET,KEY=VALUE, such as uniform-lpv:paper,n=64, not '{text}'.")
     pairs = (pair.partition("=") for pair in found["settings"].split(",")[1:])
     overrides = {key.strip(): value.strip() for key, _, value in pairs}
-    preset = (found["preset"] or "default").strip()
-    settings = technique_class(found["name"].strip()).settings_class.from_strings(preset, overrides)
+    settings_class = technique_class(found["name"].strip()).settings_class
+    usual = "reference" if as_reference and "reference" in settings_class.PRESETS else "default"
+    preset = (found["preset"] or usual).strip()
+    settings = settings_class.from_strings(preset, overrides)
     return Choice(found["name"].strip(), settings, text.strip(), preset)
 
 

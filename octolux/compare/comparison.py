@@ -50,7 +50,7 @@ def compare(
     """
     file = reference_file(reference)
     measured = choices(list(techniques), "" if file else str(reference).partition(":")[0].partition(",")[0])
-    wanted = None if file else choice(str(reference))
+    wanted = None if file else choice(str(reference), as_reference=True)
     known = read_reference(*file) if file else None
     if frames < 1:
         raise OctoluxError(f"At least one frame is timed, not {frames}.")
@@ -61,7 +61,7 @@ def compare(
         loaded = loaded.at(0.0)
     studio = Studio(
         loaded, device or Device(), _size(size, known, file), camera, exposure, tone_map, default_light,
-        frame_settings, frames,
+        frame_settings, frames, progress,
     )  # fmt: skip
     progress("direct light")
     studio.settle_exposure(next((c for c in measured if not c.seeded), black()))

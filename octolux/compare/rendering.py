@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import gc
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import pi
 from typing import Any
@@ -27,6 +29,9 @@ LAYERS = {"final": "radiance", "indirect": "indirect", "direct": "direct"}
 """What the report calls a layer, and what a Picture does."""
 
 
+_SAY_EVERY = 10.0  # seconds
+
+
 @dataclass(frozen=True)
 class Rendering:
     """A technique's pictures (height, width, 3), nits, by the names of LAYERS; mask bool (height, width); albedo and
@@ -43,7 +48,7 @@ class Rendering:
 class Studio:
     """Renders `scene` from `camera` at `size` (width, height). exposure: EV100, metered where it is None.
 
-    frames: how many are timed, after one that builds the shaders.
+    frames: how many are timed, after one that builds the shaders.  progress: is told how far a long frame is.
     """
 
     scene: Scene
@@ -55,6 +60,7 @@ class Studio:
     default_light: bool = True
     frame_settings: FrameSettings | None = None
     frames: int = 5
+    progress: Callable[[str], None] = lambda text: None
 
     def renderer(self, choice: Choice) -> Renderer:
         gc.collect()  # what the technique before held on the device is not this one's
@@ -86,6 +92,7 @@ class Studio:
         return self._render(choice, self.renderer(choice))
 
     def _render(self, choice: Choice, renderer: Renderer) -> Rendering:
+        renderer.progress = _Pace(choice.label, self.progress)
         picture = renderer.render(self.camera)
         if not choice.seeded:
             renderer.profiler.clear()
@@ -115,6 +122,23 @@ class Studio:
     def displayed(self, radiance: np.ndarray) -> np.ndarray:
         """The sRGB signal float64 (height, width, 3) in [0, 1] of radiance in nits."""
         return signal(radiance, self.exposure or 0.0, self.tone_map)
+
+
+class _Pace:
+    """Says at most every ten seconds how much of a long frame is done."""
+
+    def __init__(self, label: str, say: Callable[[str], None]):
+        self._label, self._say = label, say
+        self._start = self._said = time.monotonic()
+
+    def __call__(self, done: int, total: int) -> bool:
+        """Whether to go on: always."""
+        now = time.monotonic()
+        if now - self._said >= _SAY_EVERY:
+            self._said = now
+            left = (now - self._start) / done * (total - done)
+            self._say(f"{self._label}: {done} of {total} samples, {left:.0f} s left")
+        return True
 
 
 def black() -> Choice:

@@ -20,6 +20,14 @@ def test_a_technique_with_preset_and_settings():
     assert choice("uniform-lpv,n=64").settings.as_dict()["n"] == 64
 
 
+def test_a_path_tracer_as_the_reference_sees_what_the_others_see():
+    """Through the middle of the pixel, unless something else is asked for."""
+    assert choice("path-tracer", as_reference=True).preset == "reference"
+    assert choice("path-tracer,samples=4", as_reference=True).settings.as_dict()["pixel"] == "centre"
+    assert choice("path-tracer:default", as_reference=True).settings == choice("path-tracer").settings
+    assert choice("uniform-lpv", as_reference=True).preset == "default"
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
