@@ -98,7 +98,7 @@ def collected() -> dict[str, Coverage]:
     """By feature, from pytest's own collection of the test files that have such marks."""
     marked = [str(p) for p in sorted((ROOT / "tests").rglob("test_*.py")) if "mark.covers(" in p.read_text("utf-8")]
     collector, printed = Collector(), io.StringIO()
-    options = ["--collect-only", "-q", "--rootdir", str(ROOT), "-p", "no:cacheprovider"]
+    options = ["--collect-only", "-q", "--assert=plain", "--rootdir", str(ROOT), "-p", "no:cacheprovider"]
     with contextlib.redirect_stdout(printed):
         code = pytest.main([*options, *marked], plugins=[collector])
     if code != pytest.ExitCode.OK:
