@@ -18,7 +18,7 @@ from ..gpu.layout import Struct
 from ..gpu.limits import DEFAULT_LIMITS
 from ..gpu.memory import readable
 from ..gpu.passes import ComputePass
-from ..gpu.profiler import Profiler
+from ..gpu.profiler import Profiler, Stage
 from ..gpu_scene.clusters import CLUSTER_TRIANGLES
 from ..gpu_scene.gpu_scene import GpuScene
 from ..gpu_scene.materials import MASKED, SINGLE_SIDED
@@ -77,18 +77,23 @@ class Bvh:
         )  # fmt: skip
         self._sort, self._ploc, self._collapse = RadixSort(device), Ploc(device), Collapse(device)
 
-    def sync(self, scene: GpuScene, profiler: Profiler | None = None) -> None:
+    def sync(self, scene: GpuScene, stage: Stage | None = None) -> None:
         """Bring the BVH up to date: built when other triangles are drawn, refitted when they moved.
 
-        Call it after `scene.sync`. The profiler's stages are "BVH build" and "BVH refit". Raises DeviceError when the
-        scene needs a buffer larger than one binding.
+        Call it after `scene.sync`. stage: records the refit; without one it is submitted here. A build waits for the
+        device between its rounds and is always submitted here. Raises DeviceError when the scene needs a buffer larger
+        than one binding.
         """
         if self._moves == scene.moves:
             return
-        profiler = profiler or Profiler(self.device, "off")
         if not self._same_topology(scene):
             self._build(scene)
-        self._refit(scene)
+        self._write_header(scene)
+        if stage is not None:
+            self._refit(stage, scene)
+        else:
+            with self._submitted() as own:
+                self._refit(own, scene)
         self._moves = scene.moves
 
     def _same_topology(self, scene: GpuScene) -> bool:
@@ -124,8 +129,8 @@ class Bvh:
         limit = DEFAULT_LIMITS["max-storage-buffer-binding-size"]
         if size > limit:
             raise DeviceError(
-                f"the BVH of {count} triangles needs a buffer of {readable(size)}; one binding holds {readable(limit)}. "
-                "Use a scene of fewer triangles."
+                f"the BVH of {count} triangles needs a buffer of {readable(size)}; one binding holds "
+                f"{readable(limit)}. Use a scene of fewer triangles."
             )
 
     def _allocate(self, scene: GpuScene) -> None:
@@ -146,23 +151,25 @@ class Bvh:
             self.values = {**self.values, "bvh_stack": stack}
             self.version += 1
 
-    def _refit(self, scene: GpuScene) -> None:
+    def _write_header(self, scene: GpuScene) -> None:
         low, high = scene.bounds
         header = np.zeros(4, np.uint32)
         header[:3] = self._root, self._triangles, sum(count for _, count in self._tree.levels)
         header[3:] = np.array([max(np.abs(low).max(), np.abs(high).max())], np.float32).view(np.uint32)
         self.device.write(self.buffer, header)
+        self.device.write(self._flags, instance_flags(scene))
+
+    def _refit(self, stage: Stage, scene: GpuScene) -> None:
+        """Triangles, then boxes: a level sees what the one below it wrote only in a dispatch of its own."""
         if not self._triangles:
             return
-        self.device.write(self._flags, instance_flags(scene))
-        with self._submitted() as stage:
-            self._refit_triangles.run(
-                stage, (self._triangles,), parameters=self._all, order=self._tree.order, flags=self._flags,
-                bvh=self.buffer, **_geometry(scene),
-            )  # fmt: skip
-            for count, given in self._levels:
-                self._refit_nodes.run(stage, (count,), parameters=given, links=self._tree.links, boxes=self._boxes,
-                                      bvh=self.buffer)  # fmt: skip
+        self._refit_triangles.run(
+            stage, (self._triangles,), parameters=self._all, order=self._tree.order, flags=self._flags,
+            bvh=self.buffer, **_geometry(scene),
+        )  # fmt: skip
+        for count, given in self._levels:
+            self._refit_nodes.run(stage, (count,), parameters=given, links=self._tree.links, boxes=self._boxes,
+                                  bvh=self.buffer)  # fmt: skip
 
     @contextmanager
     def _submitted(self) -> Iterator[Any]:

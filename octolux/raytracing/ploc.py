@@ -19,7 +19,7 @@ RADIUS = 16
 
 
 class BinaryTree(NamedTuple):
-    """tree: two vec4u a node, its box (f32) with the numbers of its children behind: leaves first (both children are the
+    """tree: two vec4u a node, its box (f32) with the numbers of its children behind: leaves first (both are the
     triangle), then inner nodes; the last is the root.  sizes: triangles below each inner node."""
 
     tree: Any
@@ -51,10 +51,10 @@ class Ploc:
                                      storage_rw("merged", "vec4u"), tree, sizes])  # fmt: skip
 
     def run(self, submitted: Callable[[], Any], keys: Any, boxes: Any, count: int) -> BinaryTree:
-        """keys: sorted, with the numbers of `boxes` in z.  submitted: context manager that gives a stage and submits it.
+        """keys: sorted, with the numbers of `boxes` in z.  submitted: gives a stage and submits it.
 
-        Each round at least the nearest pair of all merges, and where boxes are alike half of them, so about log2(count)
-        rounds are usual. How many clusters are left is read back after each.
+        Each round at least the nearest pair of all merges, and where boxes are alike half of them, so that log2(count)
+        rounds and some are usual. How many clusters are left is read back after each.
         """
         device = self.device
         tree, sizes = device.buffer("BVH build", size=64 * count), device.buffer("BVH build", size=4 * count)

@@ -1,6 +1,7 @@
 // Rays through the BVH. Both faces of a triangle are hit, but for `cull_back`, which camera rays set: they pass through
 // the back of single-sided materials. Alpha-masked materials are hit where their alpha reaches the cutoff, blended ones
-// with a probability equal to it: `alpha_seed` says which of those this ray meets. t counts lengths of `direction`.
+// with a probability equal to it: `alpha_seed` says which of those this ray meets. t counts lengths of `direction`; t_min is
+// not negative.
 // Needs the scene's bind group, and `bvh`.
 {% if cut %}
 {{ use("shaders/material.wgsl") }}
@@ -9,8 +10,12 @@
 // id: as the visibility buffer has it, 0 is nothing. b1, b2: weights of the corners b and c.
 struct RayHit { t: f32, id: u32, b1: f32, b2: f32 }
 
+// What waits to be met: the word of a node, or of a leaf's first triangle and how many there are.
 const BVH_LEAF = 0x80000000u;
+const BVH_ONE = 0x01000000u;
+const BVH_WORD = 0x00ffffffu;
 const BVH_DONE = 0xffffffffu;
+const BVH_MISSED = 0x7fffffff;
 // A bound on the error of a plane's distance in boxes and triangles, relative to the coordinates: 2^-24 for each of the
 // subtraction of the origin, the multiplication, the addition, in both.
 const BVH_ROUNDING = {{ 2.0 ** -21 }};
@@ -56,80 +61,54 @@ fn bvh_turned(v: vec3f, axis: u32) -> vec3f {
     return select(select(v, v.zxy, axis == 1u), v.yzx, axis == 0u);
 }
 
-{% macro traverse(any) %}
-    let header = bvh[0];
-    // An axis across the ray is given a slope that no coordinate is long enough to show.
-    let longest = max(max(abs(direction.x), abs(direction.y)), abs(direction.z));
-    let flat = abs(direction) < vec3f(1e-15 * longest);
-    let inverse = 1.0 / select(direction, vec3f(1e-15 * longest), flat);
-    let reach = max(max(abs(origin.x), abs(origin.y)), abs(origin.z)) + bitcast<f32>(header.w);
-    let slack = abs(inverse) * (BVH_ROUNDING * reach);
-    let backwards = inverse < vec3f(0.0);
-    // Triangles: shear that lays the ray along the last axis (Woop, Benthin and Wald 2013, section 3).
-    let axis = select(select(2u, 1u, abs(direction.y) == longest), 0u, abs(direction.x) == longest);
-    let turned = bvh_turned(direction, axis);
-    let shear = vec3f(turned.xy, 1.0) / turned.z;
-    var hit = RayHit(t_max, 0u, 0.0, 0.0);
-    var stack: array<u32, {{ bvh_stack }}>;
-    var depth = 0u;
-    var current = header.x;
-    {% if cut %}
-    // A cut surface is asked for its alpha outside the inner loop, where a software adapter does it for all its lanes at
-    // once and not at each step.
-    var asked = false;
-    var candidate = hit;
-    loop {
-    asked = false;
-    {% endif %}
-    loop {
-        {% if cut %}
-        if depth == BVH_DONE || asked { break; }
-        {% else %}
-        if depth == BVH_DONE { break; }
-        {% endif %}
-        if current < BVH_LEAF {
+// The four boxes of the node `current` (refit_nodes.wgsl): on with the nearest that is met, the others wait on the
+// stack, the farthest lowest.
+{% macro meet_boxes() %}
             let w0 = bvh[current];
             let w1 = bvh[current + 1u];
             let w2 = bvh[current + 2u];
-            let kinds = w0.w >> 24u | (w1.x >> 24u) << 8u;
-            let step = bitcast<vec3f>((vec3u(w0.w, w0.w >> 8u, w0.w >> 16u) & vec3u(255u)) << vec3u(23u)) * inverse;
+            let exponents = vec3u(w0.w, w0.w >> 8u, w0.w >> 16u) & vec3u(255u);
+            let step = bitcast<vec3f>(exponents << vec3u(23u)) * inverse;
             let base = (bitcast<vec3f>(w0.xyz) - origin) * inverse;
             let near_base = base - slack;
             let far_base = base + slack;
-            let near_q = select(vec3u(w1.zw, w2.x), w2.yzw, backwards);
-            let far_q = select(w2.yzw, vec3u(w1.zw, w2.x), backwards);
+            let lows = vec3u(w1.zw, w2.x);
+            let near_q = select(lows, w2.yzw, backwards);
+            let far_q = select(w2.yzw, lows, backwards);
+            // Distances are compared as integers, which order those alike that are not negative; where the far one is
+            // negative the box is missed either way.
             let near = max(
-                max(near_base.x + step.x * bvh_bytes(near_q.x), near_base.y + step.y * bvh_bytes(near_q.y)),
-                max(near_base.z + step.z * bvh_bytes(near_q.z), vec4f(t_min)),
+                max(bvh_planes(near_base.x, step.x, near_q.x), bvh_planes(near_base.y, step.y, near_q.y)),
+                max(bvh_planes(near_base.z, step.z, near_q.z), nearest),
             );
             let far = min(
-                min(far_base.x + step.x * bvh_bytes(far_q.x), far_base.y + step.y * bvh_bytes(far_q.y)),
-                min(far_base.z + step.z * bvh_bytes(far_q.z), vec4f(hit.t)),
+                min(bvh_planes(far_base.x, step.x, far_q.x), bvh_planes(far_base.y, step.y, far_q.y)),
+                min(bvh_planes(far_base.z, step.z, far_q.z), vec4i(bitcast<i32>(hit.t))),
             );
-            // Which child it is stands in the lowest bits of how near it is, so that sorting moves one word.
+            let kinds = w0.w >> 24u | (w1.x >> 24u) << 8u;
             let there = (near <= far) & ((vec4u(kinds) & vec4u(15u, 240u, 3840u, 61440u)) != vec4u(0u));
-            let keys = select(vec4u(0xffffffffu), (bitcast<vec4u>(max(near, vec4f(0.0))) & vec4u(0xfffffffcu)) | vec4u(0u, 1u, 2u, 3u), there);
-            let a = min(keys.xz, keys.yw);
-            let b = max(keys.xz, keys.yw);
-            let first = min(a.x, a.y);
-            let last = max(b.x, b.y);
-            let m = max(a.x, a.y);
-            let n = min(b.x, b.y);
-            let second = min(m, n);
-            let third = max(m, n);
-            let places = ((kinds & 0x7777u) * 0x1110u);
-            let children = w1.x & 0xffffffu;
-            if last != 0xffffffffu { stack[depth] = bvh_child(last, kinds, places, children, w1.y); depth++; }
-            if third != 0xffffffffu { stack[depth] = bvh_child(third, kinds, places, children, w1.y); depth++; }
-            if second != 0xffffffffu { stack[depth] = bvh_child(second, kinds, places, children, w1.y); depth++; }
-            if first != 0xffffffffu {
-                current = bvh_child(first, kinds, places, children, w1.y);
-            } else {
-                depth--;
-                if depth != BVH_DONE { current = stack[depth]; }
-            }
-        } else {
-            let word = current & 0xffffffu;
+            // Which child it is stands in the lowest bits of how near it is, so that sorting moves one word.
+            let keys = select(vec4i(BVH_MISSED), (near & vec4i(-4)) | vec4i(0, 1, 2, 3), there);
+            let lesser = min(keys.xz, keys.yw);
+            let greater = max(keys.xz, keys.yw);
+            let first = min(lesser.x, lesser.y);
+            let middle = vec2i(max(lesser.x, lesser.y), min(greater.x, greater.y));
+            let second = min(middle.x, middle.y);
+            let third = max(middle.x, middle.y);
+            let fourth = max(greater.x, greater.y);
+            {% for key in ("fourth", "third", "second") %}
+            stack[depth] = bvh_child({{ key }}, kinds, w1.x, w1.y);
+            depth += select(0u, 1u, {{ key }} != BVH_MISSED);
+            {% endfor %}
+            let none = first == BVH_MISSED;
+            depth -= select(0u, 1u, none);
+            current = select(bvh_child(first, kinds, w1.x, w1.y), stack[depth], none);
+{% endmacro %}
+
+// The next triangle of the leaf `current`, laid out so that the ray runs from the origin along the last axis (Woop,
+// Benthin and Wald 2013, section 3).
+{% macro meet_triangle(any) %}
+            let word = current & BVH_WORD;
             let wa = bvh[word];
             let wb = bvh[word + 1u];
             let wc = bvh[word + 2u];
@@ -147,9 +126,11 @@ fn bvh_turned(v: vec3f, axis: u32) -> vec3f {
             let weights = p - q;
             let sum = weights.x + weights.y + weights.z;
             let t = shear.z * (weights.x * a.z + weights.y * b.z + weights.z * c.z) / sum;
+            // Of two at the same distance the one with the lower number, in whatever order they are met.
             let nearer = t < hit.t || (t == hit.t && wa.w < hit.id);
             {% if not any %}
-            // A front face has its corners counter-clockwise; the shear mirrors where the ray runs down its last axis.
+            // The sum has the sign of the winding as the ray's origin sees it, turned round where the ray runs down its
+            // axis.
             let behind = (sum * shear.z < 0.0) != ((wb.w & {{ flag_flipped }}u) != 0u);
             let culled = cull_back && (wb.w & {{ flag_single_sided }}u) != 0u && behind;
             {% endif %}
@@ -162,14 +143,49 @@ fn bvh_turned(v: vec3f, axis: u32) -> vec3f {
                 hit = met;
                 {% endif %}
             }
-            current += 3u - (1u << 24u);
-            if (current & 0x7f000000u) == 0u {
+            current += 3u - BVH_ONE;
+            if current < BVH_LEAF + BVH_ONE {
                 depth--;
-                if depth != BVH_DONE { current = stack[depth]; }
+                current = stack[depth];
             }
             {% if any %}
-            if hit.id != 0u { depth = BVH_DONE; }
+            if hit.id != 0u { current = BVH_DONE; }
             {% endif %}
+{% endmacro %}
+
+{% macro traverse(any) %}
+    let header = bvh[0];
+    // An axis across the ray is given a slope that no coordinate is long enough to show.
+    let longest = max(max(abs(direction.x), abs(direction.y)), abs(direction.z));
+    let flat = abs(direction) < vec3f(1e-15 * longest);
+    let inverse = 1.0 / select(direction, vec3f(1e-15 * longest), flat);
+    let reach = max(max(abs(origin.x), abs(origin.y)), abs(origin.z)) + bitcast<f32>(header.w);
+    let slack = abs(inverse) * (BVH_ROUNDING * reach);
+    let backwards = inverse < vec3f(0.0);
+    let nearest = vec4i(bitcast<i32>(max(t_min, 0.0)));
+    let axis = select(select(2u, 1u, abs(direction.y) == longest), 0u, abs(direction.x) == longest);
+    let turned = bvh_turned(direction, axis);
+    let shear = vec3f(turned.xy, 1.0) / turned.z;
+    var hit = RayHit(t_max, 0u, 0.0, 0.0);
+    var stack: array<u32, {{ bvh_stack }}>;
+    stack[0] = BVH_DONE;
+    var depth = 1u;
+    var current = header.x;
+    {% if cut %}
+    // A cut surface is asked for its alpha outside the inner loop, where a software adapter does it for all its lanes at
+    // once and not at each step.
+    var asked = false;
+    var candidate = hit;
+    loop {
+    asked = false;
+    {% endif %}
+    loop {
+        if current == BVH_DONE{{ " || asked" if cut }} { break; }
+        while current < BVH_LEAF {
+            {{ meet_boxes() }}
+        }
+        if current != BVH_DONE {
+            {{ meet_triangle(any) }}
         }
     }
     {% if cut %}
@@ -184,15 +200,19 @@ fn bvh_turned(v: vec3f, axis: u32) -> vec3f {
     {% endif %}
 {% endmacro %}
 
-fn bvh_bytes(q: u32) -> vec4f {
-    return vec4f((vec4u(q) >> vec4u(0u, 8u, 16u, 24u)) & vec4u(255u));
+// Distances to planes that lie at four whole numbers of steps, a byte each.
+fn bvh_planes(base: f32, step: f32, bytes: u32) -> vec4i {
+    let q = vec4f(vec4i((vec4u(bytes) >> vec4u(0u, 8u, 16u, 24u)) & vec4u(255u)));
+    return bitcast<vec4i>(base + step * q);
 }
 
-fn bvh_child(key: u32, kinds: u32, places: u32, children: u32, triangles: u32) -> u32 {
-    let k = key & 3u;
-    let kind = (kinds >> (4u * k)) & 15u;
-    let leaf = BVH_LEAF | kind << 24u | (triangles + 3u * ((places >> (4u * k)) & 15u));
-    return select(leaf, children + 3u * k, kind == 8u);
+// Word of the child that the key names, and for a leaf how many triangles begin there.
+fn bvh_child(key: i32, kinds: u32, children: u32, triangles: u32) -> u32 {
+    let shift = 4u * (u32(key) & 3u);
+    let kind = (kinds >> shift) & 15u;
+    let before = (((kinds & 0x7777u) * 0x1110u) >> shift) & 15u; // triangles of the children before it
+    let leaf = BVH_LEAF + kind * BVH_ONE + triangles + 3u * before;
+    return select(leaf, (children & BVH_WORD) + 3u * (u32(key) & 3u), kind == 8u);
 }
 
 fn closest_hit(origin: vec3f, direction: vec3f, t_min: f32, t_max: f32, alpha_seed: u32, cull_back: bool) -> RayHit {
