@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import subprocess
 import sys
 import tracemalloc
 from pathlib import Path
@@ -18,7 +19,8 @@ from octolux.scene import image_maps, images
 from octolux.scene.errors import OctoluxError, SceneError, one_line
 from octolux.scene.load import load_scene
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # benchmarks is not installed
+REPOSITORY = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(REPOSITORY))  # benchmarks is not installed
 
 from benchmarks.mutations import mutated, original_of, write_case
 from benchmarks.originals import ORIGINALS, files_of
@@ -184,3 +186,11 @@ def test_names_that_are_not_utf8(tmp_path):
     assert scene.instances[0].name == "T\ufffdr"
     assert scene.materials[0].base_color == (0.0, 1.0, 0.0)
     assert not scene.warnings
+
+
+def test_a_case_is_written_by_its_number(tmp_path):
+    case = next(case for case in range(100) if original_of(case) < 10)  # none of the data folder
+    words = [sys.executable, "-m", "benchmarks.mutations", str(case), str(tmp_path / "case")]
+    done = subprocess.run(words, cwd=REPOSITORY, capture_output=True, text=True, timeout=60)
+    assert Path(done.stdout.strip()).parent == tmp_path / "case", done.stderr
+    assert {path.name: path.read_bytes() for path in (tmp_path / "case").iterdir()} == mutated(case)
