@@ -19,13 +19,13 @@ from octolux.scene import image_maps, images
 from octolux.scene.errors import OctoluxError, SceneError, one_line
 from octolux.scene.load import load_scene
 
-REPOSITORY = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(REPOSITORY))  # benchmarks is not installed
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # benchmarks is not installed
 
 from benchmarks.mutations import mutated, original_of, write_case
 from benchmarks.originals import ORIGINALS, files_of
 
 CASES = 300
+REPOSITORY = Path(__file__).resolve().parents[2]
 HAS_DATA = (data_folder() / "scenes").is_dir()
 
 
