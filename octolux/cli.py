@@ -121,7 +121,8 @@ def render(
         frame_settings=FrameSettings(
             shadow_resolution=shadow_resolution, rsm_resolution=rsm_resolution, sky_lights=sky_lights
         ),
-        anti_aliasing=anti_aliasing, sequence=plan.filtered, tone_map=tone_map, default_light=default_light,
+        anti_aliasing=anti_aliasing, sequence=plan.filtered, tone_map=tone_map, transparent=alpha,
+        default_light=default_light,
     )  # fmt: skip
     for note in [*loaded.warnings, *renderer.warnings]:
         console.warn(note)

@@ -67,7 +67,7 @@ Out = Annotated[
     ),
 ]  # fmt: skip
 Bits = Annotated[int, _option(_FILES, "8|16", "Bits of a PNG's channels.")]
-Alpha = Annotated[bool, _option(_FILES, None, "PNG with a transparent background.", "--alpha")]
+Alpha = Annotated[bool, _option(_FILES, None, "Leave the surroundings out: transparent in PNG.", "--alpha")]
 Layers = Annotated[
     str | None, _option(_FILES, "A,B,...", f"Layers of .exr and .npz, of {', '.join(LAYERS)}; all by default.")
 ]

@@ -14,6 +14,7 @@ from .frame.views import View
 from .gpu.device import Device
 from .gpu_scene.clusters import CLUSTER_TRIANGLES
 from .motion_vectors import motion_vectors
+from .scene.environment import Environment
 from .scene.scene import Scene
 from .simulator import environment, tonemap
 from .simulator.camera import octahedral_decode, unpack_normals
@@ -57,7 +58,7 @@ class Picture:
         # By the time layers are asked for, the scene may hold other instances.
         self._view, self._drawn, self._before = frame.views[0], frame.gpu_scene.drawn, before
         self.object_names = {n + 1: i.name for n, i in enumerate(frame.scene.instances)}
-        self._surroundings = frame.surroundings
+        self._surroundings = Environment() if frame.transparent else frame.surroundings
 
     def _optional(self, device: Device, texture: Any) -> np.ndarray:
         if texture is None:
@@ -141,7 +142,8 @@ class Picture:
         """The picture without its surroundings: uint8 or uint16 (height, width, 4), straight alpha, and black
         where that is 0.
 
-        With several samples a pixel, what a map shows behind an edge is taken from the pixel's centre.
+        Exact for a `transparent` renderer. Else, with several samples a pixel, what a map shows behind an edge is taken
+        from the pixel's centre.
         """
         alone = np.where(self.alpha[..., None] > 0, self.radiance - self._surroundings_seen(), 0.0)
         return self._displayed(alone / np.where(self.alpha > 0, self.alpha, 1.0)[..., None], self.alpha, bits)

@@ -49,6 +49,8 @@ class Renderer:
     anti_aliasing: "off", a number of samples a pixel, "fxaa" (a filter on `display`), or "auto": samples for stills,
         the filter where `sequence` says that frames follow one another.
     tone_map: "neutral", "agx", "aces" or "none".
+    transparent: leave the surroundings out of the picture: they light and are reflected, but behind the surfaces is
+        black of alpha 0 (radiance is then premultiplied by alpha, as compositors want it).
     default_light: let sun and sky shine where nothing in the scene does.
     device: share one between renderers; profile: time each stage (adds a wait per stage where timestamps are wrong).
 
@@ -63,7 +65,8 @@ class Renderer:
         self, scene: Scene, technique: str = "uniform-lpv", *, preset: str = "default",
         settings: Settings | dict[str, Any] | None = None, size: tuple[int, int] = (1280, 720),
         exposure: float | None = None, anti_aliasing: str | int = "off", sequence: bool = False,
-        tone_map: str = "neutral", default_light: bool = True, device: Device | None = None, profile: bool = False,
+        tone_map: str = "neutral", transparent: bool = False,
+        default_light: bool = True, device: Device | None = None, profile: bool = False,
         frame_settings: FrameSettings | None = None,
     ):  # fmt: skip
         chosen = technique_class(technique)
@@ -89,7 +92,7 @@ class Renderer:
             self._buffers = FrameBuffers(self.device)
             self._surroundings = SurroundingsMap(self.device)
             self._direct = DirectLightPass(self.device)
-            self._composite = CompositePass(self.device, tone_map)
+            self._composite = CompositePass(self.device, tone_map, transparent)
             self._fxaa = FxaaPass(self.device) if self._filtered else None
             if not isinstance(settings, Settings):
                 settings = chosen.settings_class.make(preset, **(settings or {}))
@@ -188,6 +191,7 @@ class Renderer:
         return Frame(
             self.device, profiler, scene, gpu_scene, settings, self.targets, lights, views, draws, buffers,
             samples=samples, exposure_factor=self._exposure_factor(), metering=metering, progress=self.progress,
+            transparent=self._composite.transparent,
             start=self.start, surroundings_map=self._surroundings,
         )  # fmt: skip
 

@@ -18,10 +18,11 @@ _INPUTS = ("emissive_map", "irradiance_map", "specular_map", "given_map")
 
 
 class CompositePass:
-    """Variants by which inputs there are and which sample of the pixel it is; each is built when first needed."""
+    """transparent: without the surroundings. Variants by which inputs there are and which sample of the pixel it is;
+    each is built when first needed."""
 
-    def __init__(self, device: Device, tone_map: str):
-        self.device, self.tone_map = device, tone_map
+    def __init__(self, device: Device, tone_map: str, transparent: bool):
+        self.device, self.tone_map, self.transparent = device, tone_map, transparent
         self._variants: dict[tuple[frozenset[str], bool, bool], ComputePass] = {}
         self._settings = device.uniform("composite settings", COMPOSITE.array(1))
 
@@ -39,7 +40,8 @@ class CompositePass:
                 ],
                 structs=[COMPOSITE, VIEW, ENVIRONMENT],
                 workgroup=(32, 2, 1),  # it only loads and stores: rows suit it better than squares
-                first=first, last=last, sky=0, tone_map=_FUNCTIONS[self.tone_map], **flags, **CONSTANTS,
+                first=first, last=last, sky=0, tone_map=_FUNCTIONS[self.tone_map],
+                transparent=self.transparent, **flags, **CONSTANTS,
             )  # fmt: skip
         return self._variants[key]
 

@@ -11,7 +11,11 @@ fn seen(pixel: vec2u) -> vec4f { return textureLoad(given_map, pixel, 0); }
 {% else %}
 fn seen(pixel: vec2u) -> vec4f {
     if textureLoad(depth_map, pixel, 0).x <= 0.0 {
+        {% if transparent %}
+        return vec4f(0.0);
+        {% else %}
         return vec4f(environment_radiance(normalize(view_ray(views[0], vec2f(pixel) + 0.5).direction)), 0.0);
+        {% endif %}
     }
     let s = unpack_surface(textureLoad(surface_map, pixel, 0));
     var radiance = textureLoad(direct_map, pixel, 0).rgb;

@@ -107,6 +107,7 @@ class Frame:
     are in it, if it has noise: the direct light's alpha is then the standard error of the pixel's luminance.
     sample, samples: which of the samples of each pixel is being made, and of how many.
     exposure_factor: from nits to the picture's unit.  metering: the frame is only made to set the exposure.
+    transparent: the surroundings are not to be seen.
     start: paths of an earlier run that the picture goes on from.
     progress: told how much of a long frame is done, of how much; it returns whether to go on.
     """
@@ -134,6 +135,7 @@ class Frame:
     samples: int = 1
     exposure_factor: float = 1.0
     metering: bool = False
+    transparent: bool = False
     start: TracedPaths | None = None
     progress: Callable[[int, int], bool] | None = None
     surroundings_map: Any = None

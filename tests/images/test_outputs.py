@@ -99,3 +99,17 @@ def test_a_cutout_over_its_surroundings_is_the_picture(device):
     # A step of 16 bits is at most 2.2 / 65535 in linear light (the slope of sRGB's decoding), times 1.2.
     np.testing.assert_allclose(picture.radiance[sure], rebuilt[sure], atol=2.5 / 65535 * 1.2)
     assert (picture.alpha[sure] > 0).any() or (picture.alpha == 1).any()
+
+
+def test_a_transparent_picture_holds_no_surroundings(device):
+    """A black object before the sky is black to its edges, and lit as it was with the sky in view."""
+    scene = scene_of([SLANTED], [BLACK], environment=sky())
+    renderer = Renderer(scene, "none", size=(32, 24), device=device, anti_aliasing=8, exposure=12.0, transparent=True)
+    black = renderer.render(front_camera())
+    assert not black.radiance.any() and not black.cutout()[..., :3].any()
+    assert 0 < black.alpha.min() + black.alpha.mean() < 2 and (black.alpha > 0).any() and (black.alpha < 1).any()
+    renderer.scene.materials[0] = Material(specular=0.0)
+    whole = Renderer(renderer.scene, "none", size=(32, 24), device=device, anti_aliasing=8, exposure=12.0)
+    lit, behind = renderer.render(front_camera()), whole.render(front_camera())
+    inside = lit.alpha == 1
+    assert np.array_equal(lit.radiance[inside], behind.radiance[inside]) and lit.radiance[inside].max() > 0

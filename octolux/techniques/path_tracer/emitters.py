@@ -90,8 +90,8 @@ def sky_table(environment: Environment) -> tuple[np.ndarray, float]:
 
 
 def _filtered(image: np.ndarray) -> np.ndarray:
-    """Means over texels (height, width) of what bilinear filtering shows there: 6 parts of 8 of a texel's own and one of
-    each neighbour's, both ways. Without them 7 parts in 16 of a lone bright texel would be left to chance hits."""
+    """Means over texels (height, width) of what bilinear filtering shows there: 6 parts of 8 of a texel's own and one
+    of each neighbour's, both ways. Without them 7 parts in 16 of a lone bright texel would be left to chance hits."""
     rows = np.pad(image, ((1, 1), (0, 0)), mode="edge")
     image = (rows[:-2] + 6.0 * rows[1:-1] + rows[2:]) / 8.0
     return (np.roll(image, 1, axis=1) + 6.0 * image + np.roll(image, -1, axis=1)) / 8.0

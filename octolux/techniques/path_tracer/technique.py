@@ -205,6 +205,7 @@ class PathTracer(Technique):
             "emitters": bool(self._emitters.power), "area_lights": self._emitters.area_lights,
             "sky": int(self._sky_power > 0), "paths": self.settings.paths, "bounces": self._bounces(),
             "diffuse_only": self.settings.materials == "diffuse", "centre": self.settings.pixel == "centre",
+            "transparent": frame.transparent,
         }  # fmt: skip
         made_for = (frame.gpu_scene.version, self.bvh.version)
         key = (*made_for, *values.values())

@@ -77,6 +77,9 @@ fn trace_path(pixel: vec2u, index: u32) -> Sums {
         }
         {% endif %}
         if found.id == 0u {
+            {% if transparent %}
+            if depth == 0u { break; }
+            {% endif %}
             var sky = environment_radiance(direction);
             if depth > 0u {
                 sky *= sky_weight(direction, bounce_density);
