@@ -92,7 +92,7 @@ def environment(source: Environment, files: FileFolder) -> Description | None:
     pixels = envmap_pixels(source)
     return {
         "type": "envmap", "filename": files.exr("environment", "environment.exr", pixels),
-        "to_world": _turn(pi - source.rotation),
+        "to_world": _turn(pi + source.rotation),
     }  # fmt: skip
 
 

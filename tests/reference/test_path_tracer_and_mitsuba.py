@@ -18,7 +18,7 @@ pytestmark = pytest.mark.skipif("path-tracer" not in TECHNIQUES, reason="no tech
 
 CASES = [
     ("cornell-point", "all"), ("cornell-point", "direct"), ("cornell-point", "first-bounce"), ("cornell-area", "all"),
-    ("cornell-glossy", "all"), ("sponza-sun", "all"), ("bunny-environment", "all"),
+    ("cornell-glow", "all"), ("cornell-glossy", "all"), ("sponza-sun", "all"), ("bunny-environment", "all"),
 ]  # fmt: skip
 SAMPLES = {("cornell-glossy", "all"): (512, 4096), ("cornell-point", "first-bounce"): (1024, 4096)}
 """Samples a pixel of the path tracer and of Mitsuba: so many that the ratio of means is uncertain by less than a third
