@@ -63,7 +63,7 @@ class MaterialTable:
             for name in ("base_color", "alpha", "emissive", "alpha_cutoff", "metallic", "roughness", "specular"):
                 row[name] = getattr(material, name)
             row["normal_scale"], row["alpha_mode"] = material.normal_scale, ALPHA_MODES[material.alpha_mode]
-            row["unlit"] = material.unlit
+            row["unlit"], row["double_sided"] = material.unlit, material.double_sided
             for slot, srgb in _SLOTS:
                 texture = getattr(material, slot)
                 row[slot] = self.textures.packed_reference(texture, srgb)

@@ -16,7 +16,7 @@ ITEM = Struct("Item", instance="u32", first_triangle="u32", triangle_count="u32"
 MATERIAL = Struct(
     "Material", base_color="vec3f", alpha="f32", emissive="vec3f", alpha_cutoff="f32", metallic="f32", roughness="f32",
     specular="f32", normal_scale="f32", base_color_texture="u32", metallic_roughness_texture="u32",
-    normal_texture="u32", emissive_texture="u32", alpha_mode="u32", unlit="u32",
+    normal_texture="u32", emissive_texture="u32", alpha_mode="u32", unlit="u32", double_sided="u32",
     base_color_texture_u="vec4f", base_color_texture_v="vec4f",
     metallic_roughness_texture_u="vec4f", metallic_roughness_texture_v="vec4f",
     normal_texture_u="vec4f", normal_texture_v="vec4f", emissive_texture_u="vec4f", emissive_texture_v="vec4f",
