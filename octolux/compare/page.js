@@ -15,6 +15,7 @@
 
   function draw() {
     const layer = chosen("layer"), view = chosen("view");
+    let mapped = false;
     stage.dataset.layout = chosen("layout");
     for (const { box, list } of panes) {
       const one = data.series[list.value];
@@ -26,18 +27,19 @@
         image.dataset.number = number;
       }
       const shown = view !== "picture" && !one.reference && one.layers[layer][view] !== undefined;
+      mapped ||= shown;
       const what = shown ? `, ${data.views[view].title.toLowerCase()}` : "";
       image.alt = `${one.name}: ${layer}${what}`;
       box.querySelector("figcaption").textContent = `${one.reference ? `reference: ${one.name}` : one.name}${what}`;
     }
-    drawLegend(data.views[view]);
+    drawLegend(data.views[view], mapped);
     drawGallery(layer);
     look();
   }
 
-  function drawLegend(view) {
+  function drawLegend(view, mapped) {
     const legend = find("legend");
-    legend.hidden = !view.gradient;
+    legend.hidden = !mapped;
     if (legend.hidden) return;
     legend.querySelector(".bar").style.background = view.gradient;
     legend.querySelector(".ticks").replaceChildren(...view.ticks.map(text => element("span", text)));
