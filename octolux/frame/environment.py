@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi
 from typing import Any
 
@@ -29,6 +30,7 @@ class SurroundingsMap:
     def __init__(self, device: Device):
         self.device = device
         self._of: Environment | None = None
+        self._small = Environment()  # no wider than the device's map, from which the rest is halved further
         self._lights: dict[int, list[SkyLight]] = {}
         self._settings = device.uniform("environment settings", ENVIRONMENT.array(1))
         table = reference.brdf_table()
@@ -52,10 +54,11 @@ class SurroundingsMap:
         if self._of is environment:
             return
         self._lights = {}
-        image = environment.image
-        levels = _mip_levels(np.zeros((1, 2, 3), np.float32) if image is None else reference.reduced(image, _WIDEST))
+        image = None if environment.image is None else reference.reduced(environment.image, _WIDEST)
+        self._small = replace(environment, image=image)
+        levels = _mip_levels(np.zeros((1, 2, 3), np.float32) if image is None else image)
         self._map = self._texture("environment map", [_with_alpha(level) for level in levels])
-        whole = reference.total_map(environment, 2 * _IRRADIANCE_SIZE[1])
+        whole = reference.total_map(self._small, 2 * _IRRADIANCE_SIZE[1])
         irradiance = reference.irradiance_map(whole, *_IRRADIANCE_SIZE)
         self._irradiance = self._texture("environment irradiance", [_with_alpha(irradiance)])
         height, width = levels[0].shape[:2]
@@ -68,9 +71,8 @@ class SurroundingsMap:
     def lights(self, count: int) -> list[SkyLight]:
         """The environment as at most `count` distant lights, for its shadows and for what it lights indirectly."""
         if count not in self._lights:
-            assert self._of is not None
-            image = reference.total_map(self._of, _CUT_WIDTH)
-            pairs = zip(*reference.median_cut(image, count, self._of.rotation), strict=True) if count else ()
+            image = reference.total_map(self._small, _CUT_WIDTH)
+            pairs = zip(*reference.median_cut(image, count, self._small.rotation), strict=True) if count else ()
             self._lights[count] = [SkyLight(direction=_vector(-d), illuminance=_vector(e)) for d, e in pairs]
         return self._lights[count]
 

@@ -11,6 +11,7 @@ from octolux.scene.environment import Environment
 
 from .brdf import alpha_of, smith_visibility
 
+_BAND = 1 << 20  # texels made at once: in float64 the largest maps would take gigabytes
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 """Of linear Rec. 709 (ITU-R BT.709-6, 3.2)."""
 
@@ -62,10 +63,14 @@ def sampled(environment: Environment, directions: np.ndarray) -> np.ndarray:
 def reduced(image: np.ndarray, most: int) -> np.ndarray:
     """The map halved, by means of 2 x 2 texels, until it is at most `most` wide; solid angles weigh the rows."""
     while image.shape[1] > most and image.shape[0] > 1:
-        height, width = (edge // 2 * 2 for edge in image.shape[:2])
-        weight = texel_solid_angles(*image.shape[:2])[:height, :, None]
-        weighted = (image[:height, :width] * weight).reshape(height // 2, 2, width // 2, 2, 3).sum(axis=(1, 3))
-        image = (weighted / (2.0 * weight.reshape(height // 2, 2, 1, 1).sum(axis=1))).astype(np.float32)
+        rows, columns = (edge // 2 for edge in image.shape[:2])
+        weight = texel_solid_angles(*image.shape[:2])[: 2 * rows].reshape(rows, 2, 1, 1, 1)
+        half = np.empty((rows, columns, 3), np.float32)
+        step = max(1, _BAND // columns)
+        for band in (slice(top, top + step) for top in range(0, rows, step)):
+            pairs = image[2 * band.start : 2 * min(band.stop, rows), : 2 * columns].reshape(-1, 2, columns, 2, 3)
+            half[band] = (pairs * weight[band]).sum(axis=(1, 3)) / (2.0 * weight[band, ..., 0, 0].sum(axis=1)[:, None])
+        image = half
     return image
 
 
