@@ -35,6 +35,8 @@ _MORTON_CELLS = 1 << 20
 # Flags of an instance's triangles in the BVH.
 FLAG_MASKED, FLAG_SINGLE_SIDED, FLAG_FLIPPED = 1, 2, 4
 _TRIANGLE_WORDS = _NODE_WORDS = 3
+# Of each drawn instance the triangles' corners (kept when a mesh is deformed), its first vertex and triangle.
+Topology = list[tuple[np.ndarray, int, int]]
 _STACK_STEP = 32  # the stack's size is a multiple, so that shaders are rarely made anew
 
 
@@ -52,7 +54,7 @@ class Bvh:
             "bvh_stack": _STACK_STEP, "flag_masked": FLAG_MASKED, "flag_single_sided": FLAG_SINGLE_SIDED,
             "flag_flipped": FLAG_FLIPPED,
         }  # fmt: skip
-        self._built_for: list[tuple[Any, int, int]] | None = None
+        self._built_for: Topology | None = None
         self._moves = -1
         self._tree: Links
         self._triangles = 0
@@ -86,8 +88,11 @@ class Bvh:
         """
         if self._moves == scene.moves:
             return
-        if not self._same_topology(scene):
+        topology = [(slot.clusters.indices, slot.first_vertex, slot.first_triangle) for slot in scene.drawn.slots]
+        if not _same(self._built_for, topology):
+            self._built_for = None  # a build that fails leaves none
             self._build(scene)
+            self._built_for = topology
         self._write_header(scene)
         if stage is not None:
             self._refit(stage, scene)
@@ -96,12 +101,10 @@ class Bvh:
                 self._refit(own, scene)
         self._moves = scene.moves
 
-    def _same_topology(self, scene: GpuScene) -> bool:
-        now = [(slot.clusters.indices, slot.first_vertex, slot.first_triangle) for slot in scene.drawn.slots]
-        before, self._built_for = self._built_for, now
-        if before is None or len(before) != len(now):
-            return False
-        return all(a[0] is b[0] and a[1:] == b[1:] for a, b in zip(before, now, strict=True))
+    @property
+    def levels(self) -> tuple[int, ...]:
+        """How many nodes each level of the tree has, from the root down."""
+        return tuple(count for _, count in self._tree.levels)
 
     def _build(self, scene: GpuScene) -> None:
         self.buffer = None
@@ -180,6 +183,12 @@ class Bvh:
 
 def _geometry(scene: GpuScene) -> dict[str, Any]:
     return {name: scene.resources[name] for name in ("vertices", "triangles", "instances", "items")}
+
+
+def _same(before: Topology | None, now: Topology) -> bool:
+    if before is None or len(before) != len(now):
+        return False
+    return all(a[0] is b[0] and a[1:] == b[1:] for a, b in zip(before, now, strict=True))
 
 
 def triangle_ids(scene: GpuScene) -> np.ndarray:
