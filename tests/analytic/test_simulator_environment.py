@@ -178,3 +178,11 @@ def test_brdf_table_at_its_ends():
     curvature = abs(whole[-1, -1] - 2 * whole[-2, -1] + whole[-3, -1])
     curvature += abs(whole[-1, -1] - 2 * whole[-1, -2] + whole[-1, -3])
     assert corner == pytest.approx(1 - log(2), abs=curvature + TABLE_ERROR)
+
+
+def test_maps_are_reduced_in_bands_to_the_same_bits(monkeypatch):
+    image = np.random.default_rng(3).random((75, 301, 3)).astype(np.float32)
+    whole = reference.reduced(image, 40)
+    assert whole.shape == (9, 37, 3)
+    monkeypatch.setattr(reference, "_BAND", 500)
+    np.testing.assert_array_equal(reference.reduced(image, 40), whole)
