@@ -92,6 +92,7 @@ class Case:
             self.faults["tracebacks"] = traceback.format_exc()[-3000:]
 
     def _picture(self, scene: Scene) -> None:
+        self.begin()
         renderer = self.renderer()
         renderer.scene, renderer.exposure = scene, scene.exposure
         picture = renderer.render()

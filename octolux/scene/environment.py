@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -28,6 +29,6 @@ class Environment:
         if i is not None and (i.dtype != np.float32 or i.ndim != 3 or i.shape[2] != 3 or 0 in i.shape):
             raise ValueError(f"environment image: expected float32 (height, width, 3), got {i.dtype} {i.shape}")
 
-    @property
+    @cached_property  # asked for in every frame
     def is_black(self) -> bool:
         return max(self.radiance) <= 0 and (self.image is None or not self.image.any())

@@ -18,6 +18,7 @@ from .images import FORMATS, load_image
 from .radiance_hdr import HdrFault, read_hdr
 
 MOST_PIXELS = 16384 * 8192  # 1.6 GB as float32 RGB
+_BAND = 1 << 18
 _REMEDY = "give an equirectangular .hdr or .exr file"
 
 
@@ -100,8 +101,9 @@ def _pillow(path: Path) -> np.ndarray:
     except SceneError as error:
         raise HdrFault(f"it is neither .hdr, .exr nor one of {', '.join(FORMATS)} ({error.problem})") from error
     decoded, table = np.empty((*pixels.shape[:2], 3), np.float32), srgb_decode(np.arange(256) / 255).astype(np.float32)
-    for row, codes in zip(decoded, pixels, strict=True):  # one at a time: indices take eight bytes a channel
-        row[:] = table[codes[:, :3]]
+    step = max(1, _BAND // pixels.shape[1])  # rows at once, for indices take eight bytes a channel
+    for top in range(0, len(pixels), step):
+        np.take(table, pixels[top : top + step, :, :3], out=decoded[top : top + step], mode="clip")
     return decoded
 
 
@@ -110,9 +112,9 @@ def _repaired(pixels: np.ndarray, scale: float, empty: SceneError, path: Path, w
     with np.errstate(over="ignore", invalid="ignore"):
         scaled = np.multiply(pixels, np.float32(scale), out=pixels if pixels.flags.writeable else None)
     scaled = np.ascontiguousarray(scaled, np.float32)
-    good = np.isfinite(scaled) & (scaled >= 0)
-    if good.all():
+    if scaled.min() >= 0 and scaled.max() < np.inf:  # neither holds where one is not a number
         return scaled
+    good = np.isfinite(scaled) & (scaled >= 0)
     finite = scaled[np.isfinite(scaled)]
     if not finite.size:
         raise empty

@@ -64,12 +64,14 @@ def reduced(image: np.ndarray, most: int) -> np.ndarray:
     """The map halved, by means of 2 x 2 texels, until it is at most `most` wide; solid angles weigh the rows."""
     while image.shape[1] > most and image.shape[0] > 1:
         rows, columns = (edge // 2 for edge in image.shape[:2])
-        weight = texel_solid_angles(*image.shape[:2])[: 2 * rows].reshape(rows, 2, 1, 1, 1)
+        weight = texel_solid_angles(*image.shape[:2])[: 2 * rows, :, None]
+        upper, lower = weight[0::2], weight[1::2]
         half = np.empty((rows, columns, 3), np.float32)
         step = max(1, _BAND // columns)
         for band in (slice(top, top + step) for top in range(0, rows, step)):
-            pairs = image[2 * band.start : 2 * min(band.stop, rows), : 2 * columns].reshape(-1, 2, columns, 2, 3)
-            half[band] = (pairs * weight[band]).sum(axis=(1, 3)) / (2.0 * weight[band, ..., 0, 0].sum(axis=1)[:, None])
+            part = image[2 * band.start : 2 * min(band.stop, rows), : 2 * columns]
+            mean = (part[0::2] * upper[band] + part[1::2] * lower[band]) / (2.0 * (upper[band] + lower[band]))
+            half[band] = mean[:, 0::2] + mean[:, 1::2]
         image = half
     return image
 
