@@ -16,6 +16,7 @@ from .scan import BLOCK, PARAMETERS, PrefixSum, parameters
 
 # Neighbours looked at on either side. Meister and Bittner, section 4: beyond 16 trees hardly get better.
 RADIUS = 16
+_ROUNDS = 4  # between two readbacks; a round leaves about 5/6 of the clusters of Crytek Sponza
 
 
 class BinaryTree(NamedTuple):
@@ -49,12 +50,16 @@ class Ploc:
         self._count = make("count", [nearest, storage_rw("values", "vec2u")])
         self._merge = make("merge", [nearest, clusters, storage("values", "vec2u"), storage("totals", "vec2u"),
                                      storage_rw("merged", "vec4u"), tree, sizes])  # fmt: skip
+        self._advance = ComputePass(
+            device, "BVH advance", "raytracing/ploc_advance.wgsl",
+            [storage("totals", "vec2u"), storage_rw("state", "vec4u")], workgroup=(1, 1, 1), block=BLOCK,
+        )  # fmt: skip
 
     def run(self, submitted: Callable[[], Any], keys: Any, boxes: Any, count: int) -> BinaryTree:
         """keys: sorted, with the numbers of `boxes` in z.  submitted: gives a stage and submits it.
 
-        Each round at least the nearest pair of all merges, and where boxes are alike half of them, so that log2(count)
-        rounds and some are usual. How many clusters are left is read back after each.
+        Each round at least the nearest pair of all merges, and where boxes are alike half of them. How many clusters
+        are left is read back after every few rounds: with one left a round changes nothing.
         """
         device = self.device
         tree, sizes = device.buffer("BVH build", size=64 * count), device.buffer("BVH build", size=4 * count)
@@ -63,16 +68,16 @@ class Ploc:
         with submitted() as stage:
             self._start.run(stage, (count,), parameters=parameters(device, count), keys=keys, boxes=boxes,
                             clusters=clusters, tree=tree)  # fmt: skip
-        left, made = count, count
+        state, left = parameters(device, count, count, count), count
         while left > 1:
-            given = parameters(device, left, made, count)
             with submitted() as stage:
-                self._nearest.run(stage, (left,), parameters=given, clusters=clusters, nearest=nearest)
-                self._count.run(stage, (left,), parameters=given, nearest=nearest, values=sums.values)
-                self._sums.run(stage, sums, left, given)
-                self._merge.run(stage, (left,), parameters=given, nearest=nearest, clusters=clusters, **sums._asdict(),
-                                merged=merged, tree=tree, sizes=sizes)  # fmt: skip
-            left, new = self._sums.total(sums, left)
-            made += new
-            clusters, merged = merged, clusters
+                for _ in range(_ROUNDS):
+                    self._nearest.run(stage, (left,), parameters=state, clusters=clusters, nearest=nearest)
+                    self._count.run(stage, (left,), parameters=state, nearest=nearest, values=sums.values)
+                    self._sums.run(stage, sums, left, state)
+                    self._merge.run(stage, (left,), parameters=state, nearest=nearest, clusters=clusters,
+                                    **sums._asdict(), merged=merged, tree=tree, sizes=sizes)  # fmt: skip
+                    self._advance.run(stage, (1,), totals=sums.totals, state=state)
+                    clusters, merged = merged, clusters
+            left = memoryview(device.queue.read_buffer(state, 0, 4)).cast("B").cast("I")[0]
         return BinaryTree(tree, sizes)

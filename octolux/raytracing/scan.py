@@ -45,7 +45,7 @@ class PrefixSum:
         return Sums(self.device.buffer("BVH build", size=capacity * self.size), totals)
 
     def run(self, stage: Any, sums: Sums, count: int, given: Any) -> None:
-        """given: uniform buffer of PARAMETERS that says `count`."""
+        """given: uniform buffer of PARAMETERS that says how many elements there are, at most `count`."""
         blocks = -(-count // BLOCK)
         self._blocks.run(stage, (256 * blocks,), parameters=given, values=sums.values, totals=sums.totals)
         self._totals.run(stage, (256,), parameters=given, totals=sums.totals)
