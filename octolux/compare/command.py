@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich import box
 from rich.table import Table
 
 from .. import cli_options as o
@@ -103,7 +102,7 @@ def compare(
 
 
 def _print(report: Any) -> None:
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table = Table(box=None)
     table.add_column("technique", overflow="fold")
     titles = ("frame\nms", "indirect\nenergy", "indirect\nRMSE", "final\nRMSE", "final\nFLIP", "final\nSSIM", "\nleak")
     for title in titles:

@@ -8,7 +8,7 @@ from typing import Any
 from .report import Report
 
 WIDTH, HEIGHT = 560.0, 330.0
-LEFT, RIGHT, TOP, BOTTOM = 52.0, 18.0, 14.0, 44.0
+LEFT, RIGHT, TOP, BOTTOM = 52.0, 34.0, 14.0, 44.0
 _LINE = 15.0
 """Height of a label, in the SVG's units."""
 
