@@ -19,7 +19,8 @@ from octolux.scene.load import load_scene
 from octolux.scene.scene import Scene
 
 SIZE, WARM_UP = (1280, 720), 3
-MAPS = FrameSettings(shadow_resolution=512, rsm_resolution=256)
+# As in the C++ program that the aim comes from: one sun, and a sky that is seen but lights nothing.
+MAPS = FrameSettings(shadow_resolution=512, rsm_resolution=256, sky_lights=0)
 SETTINGS = {"n": 32, "iterations": 12}
 
 

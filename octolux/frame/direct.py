@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..gpu.bindings import Binding, sampler, storage_texture, texture
+from ..gpu.bindings import Binding, sampler, storage_texture, texture, uniform
 from ..gpu.device import Device
 from ..gpu.passes import ComputePass
 from .environment import SurroundingsMap
 from .frame import Frame
 from .lights import KINDS, Counts
 from .shader_values import CONSTANTS
-from .structs import ENVIRONMENT, LIGHT, VIEW, lights_binding, views_binding
+from .structs import ENVIRONMENT, LIGHT, SKY_PICK, VIEW, lights_binding, views_binding
 from .views import CUBE_FACES
 
 # Up to so many lights are unrolled; more would make the shader long to build.
 _UNROLLED = 8
+# A sample of a pixel that has many asks every fourth of the sky's lights, but no fewer than eight: each part is spread
+# over all of the sky, and of fewer lights a share says little.
+_SKY_PARTS, _LEAST_OF_SKY = 4, 8
 
 
 class DirectLightPass:
@@ -24,6 +27,7 @@ class DirectLightPass:
 
     def __init__(self, device: Device):
         self.device = device
+        self._sky_pick = device.uniform("sky pick", SKY_PICK.array(1))
         self._variants: dict[Counts, ComputePass] = {}
 
     def _variant(self, counts: Counts) -> ComputePass:
@@ -35,14 +39,17 @@ class DirectLightPass:
                     texture("shadow_maps", "depth", "2d-array"), sampler("shadow_sampler", "non-filtering"),
                     storage_texture("direct_out", "rgba32float"), *_soft_bindings(counts),
                 ],
-                structs=[VIEW, LIGHT, ENVIRONMENT], shadows=True, **_groups(counts), **CONSTANTS,
+                structs=[VIEW, LIGHT, ENVIRONMENT, SKY_PICK], shadows=True, **_groups(counts), **CONSTANTS,
             )  # fmt: skip
         return self._variants[counts]
 
     def run(self, frame: Frame, shadow_sampler: Any, surroundings: SurroundingsMap) -> None:
         counts = frame.lights.counts
         more = {"coarse_maps": frame.coarse_maps} if any(counts[3:]) else {}
-        more |= surroundings.resources if counts[4] else {}
+        if counts[4]:
+            step = min(_SKY_PARTS, frame.samples, max(1, counts[4] // _LEAST_OF_SKY))
+            self.device.write(self._sky_pick, SKY_PICK.pack(sample=frame.sample, step=step))
+            more |= {"sky_pick": self._sky_pick, **surroundings.resources}
         with frame.profiler.stage("direct light") as stage:
             self._variant(counts).run(
                 stage, frame.pixels, surface_map=frame.targets.surface, depth_map=frame.targets.depth,
@@ -54,7 +61,7 @@ class DirectLightPass:
 def _soft_bindings(counts: Counts) -> list[Binding]:
     """What emitters and the sky need beside the other lights."""
     maps = [texture("coarse_maps", "depth", "2d-array")] if any(counts[3:]) else []
-    return maps + (SurroundingsMap.bindings() if counts[4] else [])
+    return maps + ([uniform("sky_pick", SKY_PICK), *SurroundingsMap.bindings()] if counts[4] else [])
 
 
 def _groups(counts: Counts) -> dict[str, Any]:

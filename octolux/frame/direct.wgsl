@@ -55,7 +55,8 @@ fn from_emitter(p: Point, index: u32, first_view: u32) -> vec3f {
 // The sky: its irradiance and its reflection, times what arrives of it past the scene. A few distant lights that stand for it
 // and have shadow maps say that: of the irradiance each is a share; of the lobe around the mirrored direction, a von
 // Mises-Fisher lobe of the GGX lobe's sharpness (Wang et al. 2009, 3.2), but none narrower than the share of one light.
-fn from_sky(p: Point) -> vec3f {
+// Where pixels have many samples each of these asks some of the lights, and all samples of a pixel together ask all.
+fn from_sky(p: Point, pixel: vec2u) -> vec3f {
     let s = p.surface;
     let n_v = max(dot(s.normal, p.to_eye), 0.0);
     let mirrored = reflect(-p.to_eye, s.normal);
@@ -65,7 +66,8 @@ fn from_sky(p: Point) -> vec3f {
     var all = vec3f(0.0);
     var arrived = vec3f(0.0);
     var lobe = vec2f(0.0);
-    for (var i = {{ sky_first }}u; i < {{ sky_first + sky }}u; i++) {
+    let first = (sky_pick.sample + pixel.x + 2u * pixel.y) % sky_pick.step;
+    for (var i = {{ sky_first }}u + first; i < {{ sky_first + sky }}u; i += sky_pick.step) {
         let light = lights[i];
         let l = -light.direction;
         // What comes from below the surface is no loss to the lobe: its directional albedo has it already.
@@ -104,7 +106,7 @@ fn main(@builtin(global_invocation_id) pixel: vec3u) {
     let p = Point(ray.origin + depth * ray.direction, -normalize(ray.direction), surface);
     var radiance = vec3f(0.0);
     {% if sky %}
-    radiance += from_sky(p);
+    radiance += from_sky(p, pixel.xy);
     {% endif %}
     {% for kind, first, count, first_view, views_each in groups %}
     {% if unrolled %}

@@ -29,6 +29,8 @@ ENVIRONMENT = Struct("EnvironmentSettings", radiance="vec3f", turn="f32", levels
 # exposure: from nits to the picture's unit. weight: of this sample in the mean of the pixel's samples.
 # Where a set of shadow maps begins among the views, its VPLs in their buffer; whether its lights may be emitters.
 RSM_SET = Struct("RsmSet", first_view="u32", first_vpl="u32", emitters="u32")
+# Of the sky's lights a sample asks every `step`-th.
+SKY_PICK = Struct("SkyPick", sample="u32", step="u32")
 COMPOSITE = Struct("CompositeSettings", exposure="f32", weight="f32")
 
 # Views and lights are uniform arrays of fixed length: a software adapter reads those several times faster than storage.
