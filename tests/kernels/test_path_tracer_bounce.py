@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from chi_square import TOGETHER, HemisphereBins, p_value
 from gpu_tools import TESTS, one_stage, random_directions, read_buffer
+from path_tracing import directional_albedo
 
 from octolux.frame.environment import SurroundingsMap
 from octolux.frame.shader_values import CONSTANTS
@@ -93,31 +94,6 @@ def test_bounces_have_the_density_that_is_claimed(device, metallic, roughness, n
     np.testing.assert_allclose(drawn[:, 3], again, rtol=1e-4 + 32 * ROUNDING / alpha**2)
 
 
-def albedo(material: brdf.Surface, eye: np.ndarray, steps: int = 384) -> np.ndarray:
-    """Directional albedo (3,), by the midpoint rule: the diffuse part over the cosine's disk, the specular over half
-    vectors spaced in D (n.h), crowded where n.h falls to 0, as in simulator.environment."""
-    share, turn = ((np.arange(steps) + 0.5) / steps for _ in range(2))
-    share, turn = np.meshgrid(share, turn * 2.0 * pi, indexing="ij")
-    normal = np.array([0.0, 0.0, 1.0])
-
-    def around(cosine):
-        sine = np.sqrt(np.maximum(1.0 - cosine * cosine, 0.0))
-        return np.stack([sine * np.cos(turn), sine * np.sin(turn), cosine], axis=-1)
-
-    diffuse, _ = brdf.diffuse_and_specular(material, normal, around(np.sqrt(share)), eye)
-    alpha = float(brdf.alpha_of(material.roughness))
-    rest, weight = (1.0 - share) ** 3, 3.0 * (1.0 - share) ** 2
-    n_h = np.sqrt(rest / (1.0 + (alpha * alpha - 1.0) * (1.0 - rest)))
-    half = around(n_h)
-    v_h = half @ eye
-    light = 2.0 * v_h[..., None] * half - eye
-    _, specular = brdf.diffuse_and_specular(material, normal, light, eye)
-    # dl = 4 v.h dh, and dh has the density D n.h.
-    jacobian = np.where((light[..., 2] > 0) & (v_h > 0), light[..., 2] * 4.0 * v_h * weight, 0.0)
-    specular = specular * (jacobian / (brdf.ggx_distribution(n_h, alpha) * n_h))[..., None]
-    return pi * diffuse.mean(axis=(0, 1)) + specular.mean(axis=(0, 1))
-
-
 CASES = [(r, m, n_v) for r in (0.05, 0.2, 0.5, 1.0) for m in (0.0, 0.3, 1.0) for n_v in (0.95, 0.5, 0.1)]
 
 
@@ -135,7 +111,7 @@ def weights(device) -> np.ndarray:
 def test_the_mean_weight_of_a_bounce_is_the_albedo(weights, case):
     """Within 4 standard errors; 36 cases of three colours that go together: 0.2 % that chance alone fails one."""
     roughness, metallic, n_v = CASES[case]
-    expected = albedo(brdf.surface((0.8, 0.5, 0.3), metallic, roughness), eye_at(n_v))
+    expected = directional_albedo(brdf.surface((0.8, 0.5, 0.3), metallic, roughness), eye_at(n_v))
     found = weights[case]
     error = found.std(axis=0) / np.sqrt(len(found))
     assert np.all(np.abs(found.mean(axis=0) - expected) <= 4 * error + 1e-4)  # of the midpoint rule and float32
