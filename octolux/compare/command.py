@@ -68,7 +68,7 @@ def compare(
     rsm_resolution: o.RsmResolution = 256,
     adapter: o.Adapter = None,
 ) -> None:
-    """Render SCENE with several techniques, measure them against a reference, and write a report."""
+    """Render SCENE with several techniques and measure them against a reference."""
     from ..frame.frame import FrameSettings
     from ..gpu.device import Device
     from . import compare as compared
