@@ -102,6 +102,8 @@ def compare(
 
 
 def _print(report: Any) -> None:
+    from .report import figure
+
     table = Table(box=None)
     table.add_column("technique", overflow="fold")
     titles = ("frame\nms", "indirect\nenergy", "indirect\nRMSE", "final\nRMSE", "final\nFLIP", "final\nSSIM", "\nleak")
@@ -111,6 +113,5 @@ def _print(report: Any) -> None:
         indirect, final = entry.metrics["indirect"], entry.metrics["final"]
         values = (indirect["ratio"], indirect["relative_rmse"], final["relative_rmse"], final["flip"], final["ssim"],
                   entry.leak.score)  # fmt: skip
-        texts = ("–" if value is None else f"{value:.3f}" for value in values)
-        table.add_row(entry.label, f"{entry.statistics['frame_ms']['median']:.1f}", *texts)
+        table.add_row(entry.label, f"{entry.statistics['frame_ms']['median']:.1f}", *map(figure, values))
     console.out.print(table)

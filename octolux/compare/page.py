@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import jinja2
@@ -12,7 +13,7 @@ from .metrics import LEAK_SHARE, TRIMMED_SHARE
 from .page_pictures import VIEWS, Gallery, series
 from .plot import plot
 from .rendering import LAYERS
-from .report import Entry, Report
+from .report import Entry, Report, figure
 
 # Title, key and digits; the key's first part is the layer. A click sorts by it.
 _OF_LAYER = (
@@ -61,19 +62,17 @@ def _view(about: dict[str, Any]) -> dict[str, Any]:
 
 def _row(report: Report, entry: Entry) -> dict[str, Any]:
     """A row of the table: cells of text, the value to sort by, and whether a constant does better."""
-    cells = [_cell(float(entry.statistics["frame_ms"]["median"]), "{:.1f}")]
+    cells = [_cell(float(entry.statistics["frame_ms"]["median"]), "{:.1f}".format)]
     cells += [_cell(entry.statistics["technique_bytes"], readable)]
     for layer in ("indirect", "final"):
         for _, key, _ in _OF_LAYER:
-            cells.append(_cell(entry.metrics[layer][key], "{:.3f}") | {"worse": _worse(report, entry, layer, key)})
-    cells.append(_cell(entry.leak.score, "{:.1%}"))
+            cells.append(_cell(entry.metrics[layer][key], figure) | {"worse": _worse(report, entry, layer, key)})
+    cells.append(_cell(entry.leak.score, "{:.1%}".format))
     return {"label": entry.label, "baseline": entry.baseline, "cells": cells}
 
 
-def _cell(value: float | None, form: Any) -> dict[str, Any]:
-    if value is None:
-        return {"text": "–", "value": None, "worse": False}
-    return {"text": form.format(value) if isinstance(form, str) else form(value), "value": value, "worse": False}
+def _cell(value: float | None, text: Callable[[float], str]) -> dict[str, Any]:
+    return {"text": figure(None) if value is None else text(value), "value": value, "worse": False}
 
 
 def _worse(report: Report, entry: Entry, layer: str, key: str) -> bool:

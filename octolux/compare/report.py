@@ -100,6 +100,13 @@ class Report:
         return [folder / name for name in FILES]
 
 
+def figure(value: float | None) -> str:
+    """A figure for people: three decimals, fewer digits where it is large, a dash where there is none."""
+    if value is None:
+        return "–"
+    return f"{value:.3f}" if abs(value) < 100.0 else f"{value:.3g}"
+
+
 def check_folder(folder: Path) -> None:
     """Raise OctoluxError unless the folder, or one in its parent, can be written to."""
     parent = folder if folder.exists() else folder.absolute().parent
