@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ _MARK = re.compile(r"[ \t]*//@(\d+):(\d+)(?:[ \t]*//@\d+:\d+)*[ \t]*$")
 # The compiler names the place after the module's label, or `wgsl` while it parses. Of a fault inside a function it
 # names the function's first line, and underlines the expression.
 _PLACES = (re.compile(r"^ *(\d+) │.*\n[ │]*\^+ naga::ir::Expression", re.M), re.compile(r"┌─ .*:(\d+):\d+"))
+_JINJA = jinja2.Environment(undefined=jinja2.StrictUndefined, trim_blocks=False)
 _OPEN, _CLOSE = ("{%", "{{", "{#"), ("%}", "}}", "#}")
 
 
@@ -51,7 +53,6 @@ class _Composer:
     def __init__(self, root: Path, values: dict[str, Any]):
         self.root, self.values = root, values
         self.files: list[str] = []
-        self.environment = jinja2.Environment(undefined=jinja2.StrictUndefined, trim_blocks=False)
 
     def use(self, name: str) -> str:
         """The text of the file `name`, or nothing when it is already part of this module."""
@@ -61,11 +62,17 @@ class _Composer:
         path = self.root / name
         try:
             marked = _mark_lines(path.read_text(encoding="utf-8"), len(self.files) - 1)
-            return self.environment.from_string(marked).render(self.values, use=self.use)
+            return _template(marked).render(self.values, use=self.use)
         except FileNotFoundError as error:
             raise ShaderError(f"octolux/{name}: no such shader file") from error
         except jinja2.TemplateError as error:
             raise ShaderError(f"octolux/{name}: {error}") from error
+
+
+@lru_cache(maxsize=512)
+def _template(text: str) -> jinja2.Template:
+    """Compiled once: a device's passes are made anew with other values, and several use the same files."""
+    return _JINJA.from_string(text)
 
 
 def _mark_lines(text: str, file: int) -> str:
