@@ -3,6 +3,8 @@ are distributed as those of two unbiased estimators (see estimators.py for the t
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from estimators import assert_ratio_of_means, assert_same_expectation
@@ -11,16 +13,15 @@ from witness_scenes import VIEWS, View
 
 from octolux.gpu.device import Device
 from octolux.renderer import Renderer
-from octolux.techniques import TECHNIQUES
-
-# To be removed with the technique's first version.
-pytestmark = pytest.mark.skipif("path-tracer" not in TECHNIQUES, reason="no technique path-tracer yet")
 
 CASES = [
     ("cornell-point", "all"), ("cornell-point", "direct"), ("cornell-point", "first-bounce"), ("cornell-area", "all"),
     ("cornell-glow", "all"), ("cornell-glossy", "all"), ("sponza-sun", "all"), ("bunny-environment", "all"),
 ]  # fmt: skip
-SAMPLES = {("cornell-glossy", "all"): (512, 4096), ("cornell-point", "first-bounce"): (1024, 4096)}
+SAMPLES = {
+    ("cornell-glossy", "all"): (512, 4096), ("cornell-point", "first-bounce"): (1024, 4096),
+    ("sponza-sun", "all"): (128, 512),
+}  # fmt: skip
 """Samples a pixel of the path tracer and of Mitsuba: so many that the ratio of means is uncertain by less than a third
 of a percent. Mitsuba finds the bright paths of the glossy box more rarely."""
 COMMON = (256, 1024)
@@ -28,11 +29,12 @@ COMMON = (256, 1024)
 
 def path_traced(view: View, samples: int, paths: str, device: Device) -> np.ndarray:
     """(BATCHES, height, width, 3): independent pictures, together of `samples` samples a pixel."""
+    settings = {"samples": samples // BATCHES, "paths": paths}
+    renderer = Renderer(view.scene, "path-tracer", settings=settings, size=view.size, anti_aliasing="off",
+                        device=device, default_light=False, exposure=0.0)  # fmt: skip
     pictures = []
     for seed in range(BATCHES):
-        settings = {"samples": samples // BATCHES, "seed": seed, "paths": paths}
-        renderer = Renderer(view.scene, "path-tracer", settings=settings, size=view.size, anti_aliasing="off",
-                            device=device, default_light=False, exposure=0.0)  # fmt: skip
+        renderer.technique.settings = replace(renderer.technique.settings, seed=seed)
         pictures.append(renderer.render(view.camera).radiance.astype(np.float64))
     return np.stack(pictures)
 

@@ -20,7 +20,7 @@ from octolux.scene.builtin.cornell_box import cornell_box
 from octolux.scene.builtin.shapes import quad
 from octolux.scene.cameras import Camera
 from octolux.scene.environment import Environment
-from octolux.scene.environment_maps import load_environment_map
+from octolux.scene.images.environment_maps import load_environment_map
 from octolux.scene.lights import AreaLight, DirectionalLight
 from octolux.scene.load import load_scene
 from octolux.scene.materials import Material
