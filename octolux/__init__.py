@@ -10,11 +10,11 @@ from .picture import Picture
 from .renderer import Renderer
 from .scene.cameras import Camera
 from .scene.errors import OctoluxError, SceneError
-from .scene.from_trimesh import from_trimesh
 from .scene.lights import AreaLight, DirectionalLight, PointLight, SpotLight
 from .scene.load import load_scene as load
 from .scene.materials import Image, Material, Texture
 from .scene.meshes import Instance, Mesh
+from .scene.python.trimesh import from_trimesh
 from .scene.scene import Environment, Scene
 
 __version__ = "0.1.0"

@@ -10,7 +10,7 @@ from typing import Any
 
 from .gpu.memory import readable
 from .gpu_scene.mipmaps import size_class
-from .scene.gltf_container import read_container
+from .scene.gltf.container import read_container
 from .scene.lights import AreaLight, DirectionalLight, Light
 from .scene.load import load_scene
 from .scene.materials import Image, Material, Texture

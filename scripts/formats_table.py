@@ -22,8 +22,8 @@ import pytest
 from octolux.data import data_folder
 from octolux.output import FORMATS as PICTURES
 from octolux.output.video import VIDEOS
-from octolux.scene.gltf import SUPPORTED
-from octolux.scene.images import FORMATS as IMAGES
+from octolux.scene.gltf.loader import SUPPORTED
+from octolux.scene.images.decode import FORMATS as IMAGES
 from octolux.scene.load import LOADERS
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from PIL import Image as PillowImage
 
-from ..scene import image_cache
+from ..scene.images import cache as image_cache
 from ..scene.materials import Image
 from ..simulator.tonemap import srgb_decode
 

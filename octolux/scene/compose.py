@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from .animation import Track
 from .cameras import Camera, look_at
-from .geometry import flat, tangents
+from .geometry.triangles import flat, tangents
 from .lights import AreaLight, DirectionalLight, Light, PointLight, Vector
 from .materials import Material
 from .meshes import Mesh
-from .movers import Movers
+from .motion.movers import Movers
+from .motion.tracks import Track
 from .nodes import Node
 from .scene import Scene
 

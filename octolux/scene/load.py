@@ -10,12 +10,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from . import assimp_scene
+from .assimp import scene as assimp_scene
 from .errors import SceneError
-from .extents import check_extent
 from .files import check_ordinary
-from .gltf import load_gltf
-from .obj import load_obj
+from .geometry.extents import check_extent
+from .gltf.loader import load_gltf
+from .obj.loader import load_obj
 from .scene import Scene
 
 
@@ -45,7 +45,7 @@ def _converted(source: Any) -> Scene:
     """An object of a library that this program has imported, or else it could not be one."""
     trimesh = sys.modules.get("trimesh")
     if trimesh is not None and isinstance(source, trimesh.Trimesh | trimesh.Scene):
-        from .from_trimesh import from_trimesh
+        from .python.trimesh import from_trimesh
 
         return from_trimesh(source)
     remedy = "give a file, a built-in scene's name, or a trimesh.Trimesh or Scene"
@@ -61,7 +61,7 @@ def _unknown_kind(path: Path, builtin: list[str]) -> SceneError:
 
 
 def _load_toml(path: Path) -> Scene:
-    from .toml_scene import load_toml  # imported here: a TOML scene may itself include others through `load_scene`
+    from .toml.loader import load_toml  # imported here: a TOML scene may itself include others through `load_scene`
 
     return load_toml(path)
 

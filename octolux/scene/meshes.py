@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .from_arrays import mesh_arrays
+from .python.arrays import mesh_arrays
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

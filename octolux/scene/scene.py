@@ -7,16 +7,16 @@ from typing import Any, get_args
 
 import numpy as np
 
-from .animation import Target, Track
 from .cameras import Camera
 from .environment import Environment
 from .errors import OctoluxError
 from .lights import Light
 from .materials import Material
 from .meshes import Instance, Mesh
-from .motion import moved_camera, moved_instance, moved_light, moved_node
+from .motion.moved import moved_camera, moved_instance, moved_light, moved_node
+from .motion.pose import posed, world_transforms
+from .motion.tracks import Target, Track
 from .nodes import Node, Skin
-from .pose import posed, world_transforms
 
 
 @dataclass(kw_only=True)

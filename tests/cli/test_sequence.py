@@ -15,7 +15,7 @@ import octolux
 from octolux import console
 from octolux.frame.frame import FrameSettings
 from octolux.output.options import FileOptions
-from octolux.scene.animation import Track
+from octolux.scene.motion.tracks import Track
 from octolux.sequence import Made, Plan, Timeline, render_frames, render_sequence
 from octolux.targets import Target
 

@@ -100,5 +100,5 @@ def test_a_glowing_ball_lights_all_around_and_does_not_shade_itself(device):
     light = emitter_lights(scene, 1)[0]
     assert light.beam == pytest.approx(0.0, abs=1e-3)
     middle = seen_from_above(scene, device, 1)[4, 4]
-    # The ball has 14 rows: its area is less than the sphere's by about (pi / 14)^2 / 6 of it for each of two curvatures.
+    # The ball has 14 rows: its area is less than the sphere's by some (pi / 14)^2 / 6 for each of two curvatures.
     np.testing.assert_allclose(middle, glow * radius**2 / 4.0, rtol=0.02)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from octolux.scene.errors import SceneError
-from octolux.scene.gltf import load_gltf
+from octolux.scene.gltf.loader import load_gltf
 
 SIDE = 7
 Y, X = (axis.ravel() for axis in np.mgrid[0:SIDE, 0:SIDE])
@@ -43,7 +43,7 @@ from collections import Counter
 from pathlib import Path
 
 from octolux.scene.errors import SceneError
-from octolux.scene.gltf import load_gltf
+from octolux.scene.gltf.loader import load_gltf
 
 model, target, first, last = Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4])
 if sys.platform == "linux":

@@ -7,12 +7,12 @@ from math import radians, sqrt
 import numpy as np
 import pytest
 
-from octolux.scene.animation import Track, slerp
 from octolux.scene.builtin.shapes import box
 from octolux.scene.cameras import Camera
 from octolux.scene.lights import AreaLight, DirectionalLight, PointLight
 from octolux.scene.meshes import Instance
-from octolux.scene.motion import rotation_matrix
+from octolux.scene.motion.moved import rotation_matrix
+from octolux.scene.motion.tracks import Track, slerp
 from octolux.scene.scene import Scene
 
 QUARTER_Y = (0.0, sqrt(0.5), 0.0, sqrt(0.5))

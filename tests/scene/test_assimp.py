@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from model_files import CORNERS, FILES, OFF, dae, fbx, ply
 
-from octolux.scene import assimp
-from octolux.scene.assimp_scene import EXTENSIONS, WITHOUT_MATERIALS, load_assimp
+from octolux.scene.assimp import loader as assimp
+from octolux.scene.assimp.scene import EXTENSIONS, WITHOUT_MATERIALS, load_assimp
 from octolux.scene.errors import SceneError
 from octolux.scene.load import LOADERS, load_scene
 from octolux.simulator.tonemap import srgb_decode

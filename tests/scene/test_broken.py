@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from octolux.scene.errors import SceneError
-from octolux.scene.gltf import load_gltf
+from octolux.scene.gltf.loader import load_gltf
 
 pytestmark = pytest.mark.covers("model .gltf", broken=True)
 

@@ -7,7 +7,7 @@ import pytest
 from figures import QUARTER_X, add_animation, add_strip
 
 from octolux.scene.errors import SceneError
-from octolux.scene.gltf import load_gltf
+from octolux.scene.gltf.loader import load_gltf
 
 
 def strip(gltf):

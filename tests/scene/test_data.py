@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from octolux.scene.errors import SceneError
-from octolux.scene.gltf import load_gltf
-from octolux.scene.obj import load_obj
+from octolux.scene.gltf.loader import load_gltf
+from octolux.scene.obj.loader import load_obj
 
 CORNELL = {
     "Empty-CO": 12,

@@ -8,8 +8,8 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from octolux.scene.deformation import deformed
 from octolux.scene.meshes import Deformable, Mesh, MorphTarget
+from octolux.scene.motion.deformation import deformed
 
 ATOL = 1e-6  # a few roundings of float32 numbers of about 1
 

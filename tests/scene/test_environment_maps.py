@@ -9,9 +9,9 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from octolux.scene.environment_maps import load_environment_map
 from octolux.scene.errors import SceneError
-from octolux.scene.radiance_hdr import HdrFault, read_hdr
+from octolux.scene.images.environment_maps import load_environment_map
+from octolux.scene.images.radiance_hdr import HdrFault, read_hdr
 from octolux.simulator.tonemap import srgb_decode
 
 HEAD = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n"

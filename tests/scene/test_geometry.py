@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from octolux.scene import geometry
+from octolux.scene.geometry import triangles as geometry
 
 CORNER = np.array([[0, 0, 0], [2, 0, 0], [0, 1, 0], [0, 0, 1]], np.float32)
 

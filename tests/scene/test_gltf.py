@@ -10,8 +10,8 @@ from math import pi
 import numpy as np
 import pytest
 
-from octolux.scene.gltf import load_gltf
-from octolux.scene.gltf_extensions import UvUse
+from octolux.scene.gltf.extensions import UvUse
+from octolux.scene.gltf.loader import load_gltf
 from octolux.scene.lights import DirectionalLight, PointLight, SpotLight
 
 pytestmark = pytest.mark.covers("model .gltf")

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from compressed import error_of, outcomes
 
-from octolux.scene import gltf_basisu
-from octolux.scene.gltf import load_gltf
+from octolux.scene.gltf import basisu as gltf_basisu
+from octolux.scene.gltf.loader import load_gltf
 
 DATA = Path(__file__).parent / "data"
 needs_decoder = pytest.mark.skipif(not gltf_basisu.is_available(), reason="opengl-basisu has no wheel for this system")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from compressed import POSITIONS, TRIANGLES, UVS, corners, error_of, outcomes
 
-from octolux.scene.gltf import load_gltf
+from octolux.scene.gltf.loader import load_gltf
 
 pytestmark = pytest.mark.covers("glTF KHR_draco_mesh_compression")
 

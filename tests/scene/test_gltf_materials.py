@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from PIL import Image as Pillow
 
-from octolux.scene.gltf import load_gltf
+from octolux.scene.gltf.loader import load_gltf
+from octolux.scene.gltf.specular_glossiness import base_and_metallic
 from octolux.scene.materials import IDENTITY_UV
-from octolux.scene.specular_glossiness import base_and_metallic
 from octolux.scene.warning_lines import merged
 from octolux.simulator.tonemap import srgb_decode
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from compressed import POSITIONS, TRIANGLES, corners, error_of, outcomes
 
-from octolux.scene.gltf import load_gltf
+from octolux.scene.gltf.loader import load_gltf
 
 pytestmark = pytest.mark.covers("glTF EXT_meshopt_compression")
 

@@ -9,7 +9,7 @@ import pytest
 from figures import BENT, BENT_NORMALS, POSITIONS, QUARTER_X, add_animation, add_strip
 
 from octolux.scene.errors import OctoluxError
-from octolux.scene.gltf import load_gltf
+from octolux.scene.gltf.loader import load_gltf
 
 ATOL = 1e-6  # a few roundings of float32 numbers of about 1
 HALFWAY_X = (sin(pi / 8), 0.0, 0.0, cos(pi / 8))

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from octolux.gpu_scene.mipmaps import mip_chain
-from octolux.scene import image_cache
 from octolux.scene.errors import SceneError
-from octolux.scene.images import load_image
-from octolux.scene.obj import load_obj
+from octolux.scene.images import cache as image_cache
+from octolux.scene.images.decode import load_image
+from octolux.scene.obj.loader import load_obj
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ import pytest
 from PIL import Image as Pillow
 
 from octolux.scene.errors import SceneError
-from octolux.scene.images import FORMATS, load_image
+from octolux.scene.images.decode import FORMATS, load_image
 
 
 @pytest.mark.covers("image PNG")

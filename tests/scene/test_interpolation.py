@@ -7,8 +7,8 @@ from math import cos, radians, sin, sqrt
 import numpy as np
 import pytest
 
-from octolux.scene.animation import Track
-from octolux.scene.motion import rotation_matrix
+from octolux.scene.motion.moved import rotation_matrix
+from octolux.scene.motion.tracks import Track
 
 
 def track(times, values, interpolation, key="translation", **more) -> Track:

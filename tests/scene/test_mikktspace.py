@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from octolux.scene import mikktspace
-from octolux.scene.gltf import load_gltf
-from octolux.scene.obj import load_obj
+from octolux.scene.geometry import mikktspace
+from octolux.scene.gltf.loader import load_gltf
+from octolux.scene.obj.loader import load_obj
 
 # What mikktspace.c (as in pymikktspace 0.3.0) gives for meshes of 9 x 9 vertices, v turned over. Coordinates are
 # multiples of 1/16 and 1/64, so that areas in uv space are exact in single precision and have the same sign here.

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from figures import POSITIONS, QUARTER_X, add_animation, add_strip
 
-from octolux.scene.animation import Track
 from octolux.scene.builtin.shapes import box
 from octolux.scene.compose import combined, flat_shaded, placed, without
-from octolux.scene.gltf import load_gltf
+from octolux.scene.gltf.loader import load_gltf
 from octolux.scene.meshes import Instance
+from octolux.scene.motion.tracks import Track
 from octolux.scene.scene import Scene
 
 ATOL = 1e-5  # a few roundings of float32 numbers of about 10

@@ -15,9 +15,10 @@ import pytest
 from PIL import Image as Pillow
 
 from octolux.data import data_folder
-from octolux.scene import image_maps, images
 from octolux.scene.errors import OctoluxError, SceneError, one_line
+from octolux.scene.images import decode as images
 from octolux.scene.load import load_scene
+from octolux.scene.obj import image_maps
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # benchmarks is not installed
 

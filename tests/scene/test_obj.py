@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from octolux.scene.errors import SceneError
-from octolux.scene.image_maps import is_normal_map, normals_from_height, with_green_up
 from octolux.scene.materials import Image
-from octolux.scene.obj import load_obj
-from octolux.scene.obj_materials import roughness
+from octolux.scene.obj.image_maps import is_normal_map, normals_from_height, with_green_up
+from octolux.scene.obj.loader import load_obj
+from octolux.scene.obj.materials import roughness
 
 pytestmark = pytest.mark.covers("model .obj")
 

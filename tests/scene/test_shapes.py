@@ -25,7 +25,7 @@ from octolux.scene.builtin.round_shapes import (
 from octolux.scene.builtin.shapes import box, extrude, merge, quad, revolve
 from octolux.scene.builtin.textures import masonry, normal_texture
 from octolux.scene.lights import SpotLight
-from octolux.scene.motion import rotation_matrix
+from octolux.scene.motion.moved import rotation_matrix
 from octolux.simulator.direct import spot_attenuation
 
 MOULDING = [(0.0, 0.0), (0.1, 0.1), (0.1, 0.3), (0.0, 0.3)]

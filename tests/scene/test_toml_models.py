@@ -7,7 +7,7 @@ import pytest
 from toml_files import model
 
 from octolux.scene.builtin import BUILTIN
-from octolux.scene.toml_scene import load_toml
+from octolux.scene.toml.loader import load_toml
 
 pytestmark = pytest.mark.covers("model .toml")
 

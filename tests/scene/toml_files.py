@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from octolux.scene.scene import Scene
-from octolux.scene.toml_scene import load_toml
+from octolux.scene.toml.loader import load_toml
 
 OBJ = """mtllib model.mtl
 v 0 0 0

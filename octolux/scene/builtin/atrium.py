@@ -6,12 +6,12 @@ from math import radians
 
 import numpy as np
 
-from ..animation import Track
 from ..cameras import Camera
 from ..exposure import metered_exposure
 from ..lights import DirectionalLight
 from ..materials import Color, Material
 from ..meshes import Instance
+from ..motion.tracks import Track
 from ..scene import Environment, Scene
 from .courtyard import courtyard
 from .courtyard_details import courtyard_details

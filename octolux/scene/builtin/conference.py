@@ -6,12 +6,12 @@ from math import radians
 
 import numpy as np
 
-from ..animation import Track
 from ..cameras import Camera
 from ..exposure import metered_exposure
 from ..lights import DirectionalLight, Light, SpotLight
 from ..materials import Material
 from ..meshes import Mesh
+from ..motion.tracks import Track
 from ..scene import Environment, Scene
 from .furniture import basket, chair, door, laptop, mug, picture, skirting
 from .lamps import NEUTRAL_WHITE, spot_intensity

@@ -6,12 +6,12 @@ from math import cos, radians, sin
 
 import numpy as np
 
-from ..animation import Track
 from ..cameras import Camera
 from ..exposure import metered_exposure
 from ..lights import PointLight
 from ..materials import Material
 from ..meshes import Instance, Mesh
+from ..motion.tracks import Track
 from ..scene import Scene
 from .shapes import box, quads
 

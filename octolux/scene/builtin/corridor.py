@@ -6,12 +6,12 @@ from math import radians
 
 import numpy as np
 
-from ..animation import Track
 from ..cameras import Camera
 from ..exposure import metered_exposure
 from ..lights import Light, SpotLight
 from ..materials import Material
 from ..meshes import Mesh
+from ..motion.tracks import Track
 from ..scene import Scene
 from .furniture import door, pendant, picture, skirting, spotlight, vase
 from .lamps import WARM_BULB, WARM_WHITE, spot_intensity

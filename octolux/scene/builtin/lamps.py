@@ -6,10 +6,10 @@ from math import cos, pi, sqrt
 
 import numpy as np
 
-from ..animation import Track
 from ..lights import Vector
 from ..materials import Color, Material
-from ..motion import rotation_matrix
+from ..motion.moved import rotation_matrix
+from ..motion.tracks import Track
 
 GRAVITY = 9.81
 """m/s^2"""

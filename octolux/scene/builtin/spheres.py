@@ -7,12 +7,12 @@ from math import radians
 
 import numpy as np
 
-from ..animation import Track
 from ..cameras import Camera
 from ..exposure import metered_exposure
 from ..lights import DirectionalLight
 from ..materials import Color, Material
 from ..meshes import Mesh
+from ..motion.tracks import Track
 from ..scene import Environment, Scene
 from .placing import Parts, plain, textured
 from .round_shapes import sphere

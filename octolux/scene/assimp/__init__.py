@@ -1,0 +1,1 @@
+"""The formats that assimp reads, in a process of its own."""

@@ -1,0 +1,1 @@
+"""Normals, tangents and extents of triangles, in NumPy."""

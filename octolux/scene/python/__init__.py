@@ -1,0 +1,1 @@
+"""Scenes from arrays and from the objects of other libraries."""

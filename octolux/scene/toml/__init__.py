@@ -1,0 +1,1 @@
+"""Scenes written by hand in TOML; docs/scenes.md lists their keys."""
