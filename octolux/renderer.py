@@ -26,7 +26,7 @@ from .gpu_scene.gpu_scene import GpuScene
 from .picture import Picture
 from .scene.cameras import Camera
 from .scene.daylight import sky, sun
-from .scene.default_camera import default_camera
+from .scene.default_camera import chosen_camera
 from .scene.errors import OctoluxError
 from .scene.exposure import display_exposure
 from .scene.lights import AreaLight, Light
@@ -220,17 +220,7 @@ class Renderer:
         return replace(scene, lights=[*scene.lights, sun()], environment=sky())
 
     def _camera(self, wanted: str | int | Camera | None, scene: Scene) -> Camera:
-        if isinstance(wanted, Camera):
-            return wanted
-        cameras = scene.cameras or [default_camera(scene, self.targets.size[0] / self.targets.size[1])]
-        names = [c.name for c in cameras]
-        if isinstance(wanted, str) and wanted in names:
-            return cameras[names.index(wanted)]
-        number = 0 if wanted is None else int(wanted) if str(wanted).isdecimal() else -1
-        if not 0 <= number < len(cameras):
-            known = ", ".join(f"{i} '{name}'" for i, name in enumerate(names))
-            raise OctoluxError(f"The scene has no camera '{wanted}'. There are: {known}.")
-        return cameras[number]
+        return chosen_camera(scene, wanted, self.targets.size[0] / self.targets.size[1])
 
     def _exposure_factor(self) -> float:
         return float(exposure_factor(self.exposure if self.exposure is not None else 0.0))
