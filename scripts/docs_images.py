@@ -27,7 +27,7 @@ def save(name: str, columns: list[np.ndarray]) -> None:
 
 
 def display(device: Device, scene: str, technique: str, size: tuple[int, int]) -> np.ndarray:
-    return octolux.Renderer(octolux.load(scene), technique, size=size, device=device).render().display
+    return octolux.Renderer(octolux.load(scene), technique, size=size, anti_aliasing=8, device=device).render().display
 
 
 def against_reference(device: Device, name: str) -> None:
