@@ -202,9 +202,10 @@ def triangle_ids(scene: GpuScene) -> np.ndarray:
 def instance_flags(scene: GpuScene) -> np.ndarray:
     """uint32 (drawn instances,): FLAG_MASKED, FLAG_SINGLE_SIDED, FLAG_FLIPPED."""
     drawn, table = scene.drawn, scene.materials.bucket
-    flags = np.zeros(len(drawn.instances), np.uint32)
-    for i, (instance, slot) in enumerate(zip(drawn.instances, drawn.slots, strict=True)):
-        bucket = table[slot.mesh.material] if len(table) else 0
-        flags[i] = FLAG_MASKED * bool(bucket & MASKED) + FLAG_SINGLE_SIDED * bool(bucket & SINGLE_SIDED)
-        flags[i] += FLAG_FLIPPED * bool(np.linalg.det(instance.transform[:3, :3]) < 0)
-    return flags
+    if not drawn.instances:
+        return np.zeros(0, np.uint32)
+    linear = np.array([instance.transform[:3, :3] for instance in drawn.instances])
+    materials = np.array([slot.mesh.material for slot in drawn.slots])
+    bucket = table[materials] if len(table) else np.zeros(len(materials), np.int64)
+    flags = FLAG_MASKED * ((bucket & MASKED) > 0) + FLAG_SINGLE_SIDED * ((bucket & SINGLE_SIDED) > 0)
+    return (flags + FLAG_FLIPPED * (np.linalg.det(linear) < 0)).astype(np.uint32)

@@ -60,4 +60,12 @@ class Collapse:
             levels.append((first, nodes))
             below, placed = self._sums.total(sums, nodes)
             first, nodes, triangles = first + nodes, below, triangles + placed
-        return Links(links, tuple(levels), order)
+        return Links(self._trimmed(links, first), tuple(levels), order)
+
+    def _trimmed(self, links: Any, nodes: int) -> Any:
+        """Only what is used: there could have been a node for each triangle."""
+        kept = self.device.buffer("BVH links", size=16 * nodes)
+        encoder = self.device.wgpu.create_command_encoder()
+        encoder.copy_buffer_to_buffer(links, 0, kept, 0, 16 * nodes)
+        self.device.queue.submit([encoder.finish()])
+        return kept

@@ -33,7 +33,8 @@ class RayQuery:
     """One kind of query against a scene and its BVH as they are at present.
 
     any_hit: only whether something is met, as `id` 1.  cull_back: pass through the back of single-sided materials.
-    alpha_seed: plus the number of the ray, which of the blended surfaces are there for it.
+    alpha_seed: plus the number of the ray, which of the blended surfaces are there for it.  bvh_counts=True: b1 and b2
+    are how many nodes and triangles were looked at.
     """
 
     def __init__(self, device: Device, scene: GpuScene, bvh: Bvh, *, any_hit: bool = False, cull_back: bool = False,

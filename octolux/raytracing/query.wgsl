@@ -15,4 +15,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let hit = closest_hit(from_.xyz, towards.xyz, from_.w, towards.w, {{ alpha_seed }}u + number, {{ "true" if cull_back else "false" }});
     hits[number] = vec4u(bitcast<u32>(hit.t), hit.id, bitcast<u32>(hit.b1), bitcast<u32>(hit.b2));
     {% endif %}
+    {% if bvh_counts is defined %}
+    hits[number].z = bitcast<u32>(f32(bvh_visits.x));
+    hits[number].w = bitcast<u32>(f32(bvh_visits.y));
+    {% endif %}
 }

@@ -20,6 +20,10 @@ const BVH_MISSED = 0x7fffffff;
 // subtraction of the origin, the multiplication, the addition, in both.
 const BVH_ROUNDING = {{ 2.0 ** -21 }};
 
+{% if bvh_counts is defined %}
+var<private> bvh_visits: vec2u; // nodes and triangles met so far: for figures
+{% endif %}
+
 {% if cut %}
 // Whether the surface is there for this ray.
 fn bvh_kept(id: u32, b1: f32, b2: f32, alpha_seed: u32) -> bool {
@@ -64,6 +68,9 @@ fn bvh_turned(v: vec3f, axis: u32) -> vec3f {
 // The four boxes of the node `current` (refit_nodes.wgsl): on with the nearest that is met, the others wait on the
 // stack, the farthest lowest.
 {% macro meet_boxes() %}
+            {% if bvh_counts is defined %}
+            bvh_visits.x++;
+            {% endif %}
             let w0 = bvh[current];
             let w1 = bvh[current + 1u];
             let w2 = bvh[current + 2u];
@@ -108,6 +115,9 @@ fn bvh_turned(v: vec3f, axis: u32) -> vec3f {
 // The next triangle of the leaf `current`, laid out so that the ray runs from the origin along the last axis (Woop,
 // Benthin and Wald 2013, section 3).
 {% macro meet_triangle(any) %}
+            {% if bvh_counts is defined %}
+            bvh_visits.y++;
+            {% endif %}
             let word = current & BVH_WORD;
             let wa = bvh[word];
             let wb = bvh[word + 1u];
