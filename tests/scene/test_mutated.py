@@ -195,3 +195,11 @@ def test_a_case_is_written_by_its_number(tmp_path):
     done = subprocess.run(words, cwd=REPOSITORY, capture_output=True, text=True, timeout=60)
     assert Path(done.stdout.strip()).parent == tmp_path / "case", done.stderr
     assert {path.name: path.read_bytes() for path in (tmp_path / "case").iterdir()} == mutated(case)
+
+
+@pytest.mark.filterwarnings("error")
+def test_tangents_of_any_length(gltf):
+    attributes = gltf.triangle().json["meshes"][0]["primitives"][0]["attributes"]
+    attributes["NORMAL"] = gltf.add(np.array([[0, 0, 1]] * 3, np.float32))
+    attributes["TANGENT"] = gltf.add(np.array([[1e38, 0, 0, 1], [1, 0, 0, 1], [0.5, 0, 0, 1]], np.float32))
+    np.testing.assert_array_equal(load_scene(gltf.write()).meshes[0].tangents, [[1, 0, 0, 1]] * 3)

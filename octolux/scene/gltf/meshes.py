@@ -156,10 +156,11 @@ def _colors(attributes: Fields, accessors: Accessors, count: int) -> np.ndarray 
 
 def _stored_tangents(stored: np.ndarray) -> np.ndarray | None:
     """The file's tangents at unit length, w = +1 or -1; None when one of them has no length and all are computed."""
-    if (np.linalg.norm(stored[:, :3], axis=1) < 1e-6).any():
+    along = stored[:, :3].astype(np.float64)  # in float32 the squares of large ones would overflow
+    if (np.linalg.norm(along, axis=1) < 1e-6).any():
         return None
     sign = np.where(stored[:, 3:] < 0, -1.0, 1.0)
-    return np.hstack([geometry.unit(stored[:, :3].astype(np.float64)), sign]).astype(np.float32)
+    return np.hstack([geometry.unit(along), sign]).astype(np.float32)
 
 
 def _attribute(
