@@ -23,11 +23,11 @@ class CompositePass:
 
     def __init__(self, device: Device, tone_map: str, transparent: bool):
         self.device, self.tone_map, self.transparent = device, tone_map, transparent
-        self._variants: dict[tuple[frozenset[str], bool, bool], ComputePass] = {}
+        self._variants: dict[tuple[frozenset[str], bool, bool, bool], ComputePass] = {}
         self._settings = device.uniform("composite settings", COMPOSITE.array(1))
 
-    def _variant(self, there: frozenset[str], first: bool, last: bool) -> ComputePass:
-        key = (there, first, last)
+    def _variant(self, there: frozenset[str], first: bool, last: bool, even: bool) -> ComputePass:
+        key = (there, first, last, even)
         if key not in self._variants:
             flags: dict[str, Any] = {name.removesuffix("_map"): name in there for name in _INPUTS}
             self._variants[key] = ComputePass(
@@ -41,7 +41,7 @@ class CompositePass:
                 structs=[COMPOSITE, VIEW, ENVIRONMENT],
                 workgroup=(32, 2, 1),  # it only loads and stores: rows suit it better than squares
                 first=first, last=last, sky=0, tone_map=_FUNCTIONS[self.tone_map],
-                transparent=self.transparent, **flags, **CONSTANTS,
+                transparent=self.transparent, even_surroundings=even, **flags, **CONSTANTS,
             )  # fmt: skip
         return self._variants[key]
 
@@ -53,7 +53,8 @@ class CompositePass:
         emissive = t.emissive if frame.gpu_scene.has_emission else None
         optional = dict(zip(_INPUTS, (emissive, frame.irradiance, frame.specular, frame.radiance), strict=True))
         inputs: dict[str, Any] = {name: texture for name, texture in optional.items() if texture is not None}
-        variant = self._variant(frozenset(inputs), first, last)
+        # Software adapters work out both sides of a branch: without a map nobody should pay for reading one.
+        variant = self._variant(frozenset(inputs), first, last, frame.surroundings.image is None)
         if not first:
             inputs["radiance_so_far"] = t.swap_radiance(self.device)
         if last:

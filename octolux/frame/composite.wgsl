@@ -13,6 +13,8 @@ fn seen(pixel: vec2u) -> vec4f {
     if textureLoad(depth_map, pixel, 0).x <= 0.0 {
         {% if transparent %}
         return vec4f(0.0);
+        {% elif even_surroundings %}
+        return vec4f(environment.radiance, 0.0);
         {% else %}
         return vec4f(environment_radiance(normalize(view_ray(views[0], vec2f(pixel) + 0.5).direction)), 0.0);
         {% endif %}
