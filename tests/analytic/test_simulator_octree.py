@@ -9,7 +9,7 @@ from octolux.simulator import sh
 from octolux.simulator.grid import Grid
 from octolux.simulator.lpv import lookup, octree, propagation
 
-ROUNDING = dict(rtol=1e-13, atol=0.0)  # float64, sums of 8^5 positive numbers at most: 15 levels of adding pairs
+ROUNDING = {"rtol": 1e-13, "atol": 0.0}  # float64, sums of 8^5 positive numbers at most: 15 levels of adding pairs
 
 
 def random_cells(n: int, seed: int = 0) -> np.ndarray:
@@ -25,7 +25,7 @@ def test_level_sizes_go_down_by_halves():
 
 @pytest.mark.parametrize(("n", "coarsest"), [(12, 1), (0, 1), (16, 3), (4, 8)])
 def test_sizes_that_are_no_octree_are_refused(n, coarsest):
-    with pytest.raises(ValueError, match="power of two|cannot be larger"):
+    with pytest.raises(ValueError, match=r"power of two|cannot be larger"):
         octree.level_sizes(n, coarsest)
 
 
