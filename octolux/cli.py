@@ -7,7 +7,7 @@ import math
 import sys
 import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -19,7 +19,10 @@ from .scene.errors import OctoluxError, one_line
 from .targets import Target, frame_range
 
 if TYPE_CHECKING:
+    from .renderer import Renderer
+    from .scene.scene import Scene
     from .sequence import Plan, Timeline
+    from .techniques.settings import Settings
 
 app = typer.Typer(
     help="Real-time global illumination: render a scene, and see what each stage costs.",
@@ -94,20 +97,13 @@ def render(
     stats: cli_options.Stats = None,
 ) -> None:
     """Render SCENE and print what each stage cost."""
-    from .techniques import technique_class
-
-    given = {"samples": samples, "noise": noise}
-    overrides = {**_overrides(set_), **{key: str(value) for key, value in given.items() if value is not None}}
-    settings = technique_class(technique).settings_class.from_strings(preset, overrides)
+    settings = _settings(technique, preset, set_, samples=samples, noise=noise)
     options = FileOptions(
         bits, alpha, layer_names(layers), paths=getattr(settings, "samples", 0), noise=getattr(settings, "noise", 0.0)
     )  # fmt: skip
     plan = _plan(out, frames, fps, size, options, resume)
     if stats:
         check_writable(stats, [".json"])
-    from .frame.frame import FrameSettings
-    from .gpu.device import Device
-    from .renderer import Renderer
     from .scene.load import load_scene
     from .sequence import Timeline
 
@@ -116,17 +112,33 @@ def render(
     if not plan.missing and not plan.videos:
         console.out.print("nothing to do: all files are complete")
         return
-    renderer = Renderer(
-        loaded, technique, settings=settings, size=plan.size, exposure=exposure, profile=True, device=Device(adapter),
-        frame_settings=FrameSettings(
-            shadow_resolution=shadow_resolution, rsm_resolution=rsm_resolution, sky_lights=sky_lights
-        ),
-        anti_aliasing=anti_aliasing, sequence=plan.filtered, tone_map=tone_map, transparent=alpha,
-        default_light=default_light,
+    renderer = _renderer(
+        loaded, adapter,
+        {"shadow_resolution": shadow_resolution, "rsm_resolution": rsm_resolution, "sky_lights": sky_lights},
+        technique=technique, settings=settings, size=plan.size, exposure=exposure, anti_aliasing=anti_aliasing,
+        sequence=plan.filtered, tone_map=tone_map, transparent=alpha, default_light=default_light,
     )  # fmt: skip
-    for note in [*loaded.warnings, *renderer.warnings]:
-        console.warn(note)
     _make(plan, Timeline(renderer, loaded, fps, first=plan.frames[0], camera=camera, clip=clip), stats)
+
+
+def _settings(technique: str, preset: str, pairs: list[str], **given: float | None) -> Settings:
+    """A technique's settings: a preset, what --set says of it, and what options of their own do."""
+    from .techniques import technique_class
+
+    overrides = {**_overrides(pairs), **{key: str(value) for key, value in given.items() if value is not None}}
+    return technique_class(technique).settings_class.from_strings(preset, overrides)
+
+
+def _renderer(scene: Scene, adapter: str | None, frame: dict[str, int], **options: Any) -> Renderer:
+    """A renderer that times its stages, `frame` being its FrameSettings; says what the scene lacks."""
+    from .frame.frame import FrameSettings
+    from .gpu.device import Device
+    from .renderer import Renderer
+
+    renderer = Renderer(scene, profile=True, device=Device(adapter), frame_settings=FrameSettings(**frame), **options)
+    for note in [*scene.warnings, *renderer.warnings]:
+        console.warn(note)
+    return renderer
 
 
 def _plan(out: list[Path], frames: str | None, fps: float, size: str, options: FileOptions, resume: bool) -> Plan:

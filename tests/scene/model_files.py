@@ -107,6 +107,53 @@ def dae(diffuse: str = "<color>0.8 0.1 0.2 1</color>", up: str = "Y_UP", metres:
     )  # fmt: skip
 
 
+_FBX_OBJECTS = """Objects:  {
+	Geometry: 100, "Geometry::quad", "Mesh" {
+		Vertices: *12 {
+			a: POINTS
+		}
+		PolygonVertexIndex: *4 {
+			a: 0,1,2,-4
+		}
+		GeometryVersion: 124
+		LayerElementMaterial: 0 {
+			Version: 101
+			Name: ""
+			MappingInformationType: "AllSame"
+			ReferenceInformationType: "IndexToDirect"
+			Materials: *1 {
+				a: 0
+			}
+		}
+		Layer: 0 {
+			Version: 100
+			LayerElement:  {
+				Type: "LayerElementMaterial"
+				TypedIndex: 0
+			}
+		}
+	}
+	Model: 200, "Model::quad", "Mesh" {
+		Version: 232
+	}
+	Material: 300, "Material::red", "" {
+		Version: 102
+		ShadingModel: "phong"
+		Properties70:  {
+			P: "DiffuseColor", "Color", "", "A",0.8,0.1,0.2
+			P: "SpecularColor", "Color", "", "A",0.02,0.02,0.02
+			P: "ShininessExponent", "Number", "", "A",6
+		}
+	}
+}
+Connections:  {
+	C: "OO",200,0
+	C: "OO",100,200
+	C: "OO",300,200
+}
+"""
+
+
 def fbx(up: int = 1, centimetres: float = 100.0) -> str:
     """The text form of FBX 7.3. up: 1 for y, 2 for z. centimetres: UnitScaleFactor."""
     front, sign = (2, 1) if up == 1 else (1, -1)
@@ -125,51 +172,7 @@ GlobalSettings:  {{
 {axes}		P: "UnitScaleFactor", "double", "Number", "",{centimetres}
 	}}
 }}
-Objects:  {{
-	Geometry: 100, "Geometry::quad", "Mesh" {{
-		Vertices: *12 {{
-			a: {points}
-		}}
-		PolygonVertexIndex: *4 {{
-			a: 0,1,2,-4
-		}}
-		GeometryVersion: 124
-		LayerElementMaterial: 0 {{
-			Version: 101
-			Name: ""
-			MappingInformationType: "AllSame"
-			ReferenceInformationType: "IndexToDirect"
-			Materials: *1 {{
-				a: 0
-			}}
-		}}
-		Layer: 0 {{
-			Version: 100
-			LayerElement:  {{
-				Type: "LayerElementMaterial"
-				TypedIndex: 0
-			}}
-		}}
-	}}
-	Model: 200, "Model::quad", "Mesh" {{
-		Version: 232
-	}}
-	Material: 300, "Material::red", "" {{
-		Version: 102
-		ShadingModel: "phong"
-		Properties70:  {{
-			P: "DiffuseColor", "Color", "", "A",0.8,0.1,0.2
-			P: "SpecularColor", "Color", "", "A",0.02,0.02,0.02
-			P: "ShininessExponent", "Number", "", "A",6
-		}}
-	}}
-}}
-Connections:  {{
-	C: "OO",200,0
-	C: "OO",100,200
-	C: "OO",300,200
-}}
-"""
+""" + _FBX_OBJECTS.replace("POINTS", points)
 
 
 def three_ds() -> bytes:
