@@ -23,23 +23,17 @@ fn offset_origin(position: vec3f, geometric_normal: vec3f, direction: vec3f) -> 
     return position + geometric_normal * (side * largest * 1.5e-5);
 }
 
+// Not for unlit materials: paths end there.
 fn surface_of(hit: Hit, material: Material, direction: vec3f) -> Surface {
     let facing = select(1.0, -1.0, dot(hit.geometric_normal, direction) > 0.0);
     let roughness_metallic = material_roughness_metallic(material, hit.uv, hit.footprint);
-    var reflected = base_color(hit, material).rgb;
-    var specular = material.specular;
-    {% if unlit %}
-    if material.unlit == 1u {
-        reflected = vec3f(0.0);
-        specular = 0.0;
-    }
-    {% endif %}
+    let reflected = base_color(hit, material).rgb;
     {% if diffuse_only %}
     return Surface(facing * mapped_normal(hit, material), facing * hit.geometric_normal,
         reflected * (1.0 - roughness_metallic.y), 1.0, 0.0, 0.0);
     {% else %}
     return Surface(facing * mapped_normal(hit, material), facing * hit.geometric_normal, reflected,
-        roughness_metallic.x, roughness_metallic.y, specular);
+        roughness_metallic.x, roughness_metallic.y, material.specular);
     {% endif %}
 }
 
