@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..geometry import mikktspace
 from ..geometry import triangles as geometry
+from ..geometry.tangents import tangent_space
 from ..meshes import Mesh
 from .accessors import Accessors, require
 from .deformables import Movers, read_movers
@@ -125,13 +125,11 @@ def _mesh(
         positions, normals, uvs, indices = geometry.flat(positions, uvs, indices)
         movers = movers.take(corners).flat(positions, normals, indices)
         colors = None if colors is None else colors[corners]
-    if tangents is None and uv_use.normal_map:
-        space = mikktspace.generate(positions, normals, uvs, indices)
+    if tangents is None:
+        space = tangent_space(positions, normals, uvs, indices, uv_use.normal_map)
         indices, tangents, movers = space.indices, space.tangents, movers.take(space.vertices)
         positions, normals, uvs = (array[space.vertices] for array in (positions, normals, uvs))
         colors = None if colors is None else colors[space.vertices]
-    elif tangents is None:
-        tangents = geometry.tangents(positions, normals, uvs, indices)
     return Mesh(
         positions=positions,
         normals=normals,

@@ -11,8 +11,8 @@ import numpy as np
 from ..assimp.loader import AssimpRefusal, Model, Part, import_model
 from ..errors import SceneError
 from ..files import NotAFile
-from ..geometry import mikktspace
 from ..geometry import triangles as geometry
+from ..geometry.tangents import tangent_space
 from ..meshes import Instance, Mesh
 from ..scene import Scene
 from . import materials as obj_materials
@@ -119,18 +119,13 @@ def _mesh(path: Path, part: Part, material: int, normal_map: bool) -> Mesh:
         positions, normals, uvs, indices = geometry.flat(positions, uvs, indices)
     else:
         normals = geometry.repair_normals(positions, part.normals, indices)
-    if normal_map:  # which is baked for these tangents; without one they only have to be orthogonal to the normal
-        space = mikktspace.generate(positions, normals, uvs, indices)
-        positions, normals, uvs = (array[space.vertices] for array in (positions, normals, uvs))
-        indices, tangents = space.indices, space.tangents
-    else:
-        tangents = geometry.tangents(positions, normals, uvs, indices)
+    space = tangent_space(positions, normals, uvs, indices, normal_map)
     return Mesh(
-        positions=positions,
-        normals=normals,
-        uvs=uvs,
-        tangents=tangents,
-        indices=indices,
+        positions=positions[space.vertices],
+        normals=normals[space.vertices],
+        uvs=uvs[space.vertices],
+        tangents=space.tangents,
+        indices=space.indices,
         material=material,
         name=part.name,
     )
