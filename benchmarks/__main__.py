@@ -1,4 +1,7 @@
-"""`python -m benchmarks [NAME ...] [--json FILE] [--list]`: measure figures and print them beside their bounds."""
+"""`python -m benchmarks [NAME ...] [--json FILE] [--list]`: measure figures and print them beside their bounds.
+
+`python -m benchmarks comparison` has options of its own and prints a table by views and techniques.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +14,10 @@ from pathlib import Path
 
 from octolux.scene.errors import OctoluxError
 
+from . import comparison_command
 from .lab import device
 from .registry import Bound, Figure, Row, load_all, select
+from .tables import aligned
 
 _VERDICT = {True: "holds", False: "FAILS", None: "-"}
 
@@ -46,13 +51,6 @@ def _value(row: Row) -> str:
     return row.problem if row.value is None else f"{row.value:.4g}"
 
 
-def aligned(lines: Sequence[Sequence[str]]) -> str:
-    """Columns padded to equal width; the last is left as it is."""
-    shown = [line for line in lines if len(line[1]) <= 40]  # a long message must not stretch its column
-    widths = [max(len(line[i]) for line in shown) for i in range(len(lines[0]))]
-    return "\n".join("  ".join(w.ljust(n) for w, n in zip(line, widths, strict=True)).rstrip() for line in lines)
-
-
 def write_json(rows: Sequence[Row], adapter: str, path: Path) -> None:
     """{"adapter": ..., "figures": [{name, group, value, unit, bound, holds, problem}]}."""
     data = {"adapter": adapter, "figures": [asdict(row) for row in rows]}
@@ -70,7 +68,10 @@ def measure(figures: Sequence[Figure]) -> list[Row]:
 
 def main(words: Sequence[str] | None = None) -> int:
     """Exit code 0, 1 when a bound does not hold, 2 when something asked for does not exist or cannot be written."""
-    arguments = _arguments(words)
+    given = sys.argv[1:] if words is None else list(words)
+    if given[:1] == ["comparison"]:
+        return comparison_command.main(given[1:])
+    arguments = _arguments(given)
     load_all()
     try:
         figures = select(arguments.names)

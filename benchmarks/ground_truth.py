@@ -1,24 +1,20 @@
-"""Direct and indirect light against path-traced pictures of the same scenes."""
+"""Direct light against path-traced pictures of the same scenes; indirect light is in comparison.py."""
 
 from __future__ import annotations
 
 from functools import cache
-from math import pi
 from typing import Any
 
 import numpy as np
 
 from octolux.picture import Picture
 from octolux.renderer import Renderer
-from octolux.techniques.lpv.uniform.settings import UniformLpvSettings
 
 from .edges import away_from_edges, unshadowed
 from .lab import data, device
-from .metrics import pixel_errors, relative_errors
+from .metrics import pixel_errors
 from .registry import at_most, figure, within
 from .scenes_on_disk import load
-
-PRESETS = ("default", *UniformLpvSettings.PRESETS)
 
 
 @cache
@@ -29,11 +25,10 @@ def truth(name: str) -> dict[str, np.ndarray]:
 
 
 @cache
-def rendered(name: str, technique: str, preset: str = "default") -> Picture:
-    """Our picture of the scene, of the size of the reference."""
-    settings = UniformLpvSettings.from_strings(preset) if technique == "uniform-lpv" else None
+def rendered(name: str) -> Picture:
+    """Our picture of the scene without indirect light, of the size of the reference."""
     height, width = truth(name)["mask"].shape
-    return Renderer(load(name), technique, settings=settings, size=(width, height), device=device()).render()
+    return Renderer(load(name), "none", size=(width, height), device=device()).render()
 
 
 def direct_light(name: str) -> dict[str, float]:
@@ -42,7 +37,7 @@ def direct_light(name: str) -> dict[str, float]:
     Away from edges is what `edges.away_from_edges` says; a pixel's error is `metrics.pixel_errors`.
     """
     known, lights = truth(name), load(name).lights
-    found, mask = rendered(name, "none").layers["direct"], truth(name)["mask"]
+    found, mask = rendered(name).layers["direct"], truth(name)["mask"]
     errors = pixel_errors(found, known["direct"], unshadowed(lights, known).sum(axis=0))
     clear = away_from_edges(lights, known)
     return {
@@ -52,27 +47,6 @@ def direct_light(name: str) -> dict[str, float]:
         "clear_pixels": 100.0 * float(clear[mask].mean()),
         "all_within_2": 100.0 * float((errors[mask] <= 0.02).mean()),
     }
-
-
-def baselines(name: str, albedo: np.ndarray) -> dict[str, np.ndarray]:
-    """Indirect light that takes no work: black, and one irradiance (RGB) everywhere with the reference's mean."""
-    known = truth(name)
-    mask, wanted = known["mask"], known["first_bounce"]
-    irradiance = pi * wanted[mask].mean(axis=0) / albedo[mask].mean(axis=0)
-    return {"constant": albedo / pi * irradiance, "black": np.zeros_like(albedo)}
-
-
-def indirect_light(name: str) -> dict[str, float]:
-    """Ratio of means, relative and trimmed RMSE of every preset against the first bounce, beside the baselines."""
-    known = truth(name)
-    halves = known["seedA_first_bounce"], known["seedB_first_bounce"]
-    pictures = {preset: rendered(name, "uniform-lpv", preset).layers["indirect"] for preset in PRESETS}
-    pictures |= baselines(name, rendered(name, "none").layers["albedo"])
-    result = {}
-    for who, picture in pictures.items():
-        errors = relative_errors(picture, *halves, known["mask"], known["first_bounce"])
-        result |= {f"{who}.{metric}": value for metric, value in errors.items()}
-    return result
 
 
 _DIRECT: dict[str, Any] = {
@@ -92,15 +66,3 @@ def direct_cornell_point() -> dict[str, float]:
 def direct_sponza_sunpoint() -> dict[str, float]:
     """Direct light of the older Sponza with sun and point light: mean, and error of pixels away from shadow edges."""
     return direct_light("sponza_sunpoint")
-
-
-@figure("indirect_cornell_point", group="ground_truth", unit="relative")
-def indirect_cornell_point() -> dict[str, float]:
-    """First bounce in the Cornell box, every preset beside a constant and black."""
-    return indirect_light("cornell_point")
-
-
-@figure("indirect_sponza_sunpoint", group="ground_truth", unit="relative")
-def indirect_sponza_sunpoint() -> dict[str, float]:
-    """First bounce in the older Sponza, every preset beside a constant and black."""
-    return indirect_light("sponza_sunpoint")

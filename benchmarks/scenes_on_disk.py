@@ -11,8 +11,8 @@ from octolux.scene.scene import Scene
 from .lab import data
 
 SCENES = Path(__file__).parent / "scenes"
-_MODELS = {"cornell_point": "cornell-box", "sponza_sunpoint": "dabrovic-sponza", "crytek_sponza": "crytek-sponza",
-           "moving_fox": "gltf/Fox"}
+_MODELS = {"cornell_point": "cornell-box", "cornell_area": "cornell-box", "sponza_sunpoint": "dabrovic-sponza",
+           "crytek_sponza": "crytek-sponza", "crytek_lamps": "crytek-sponza", "moving_fox": "gltf/Fox"}
 
 
 def path_of(name: str) -> Path:

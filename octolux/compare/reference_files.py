@@ -26,6 +26,7 @@ def read_reference(path: Path, paths: str = "") -> Reference:
     if not path.is_file():
         raise SceneError(path, "", "no such file", "Check the reference's name")
     layers = _read_exr(path) if path.suffix.lower() == ".exr" else _read_npz(path)
+    layers = _with_means(layers)
     if any(name in layers for name in _BY_PATHS):
         return _by_light_paths(path, layers, paths or "all_indirect")
     if paths:
@@ -35,6 +36,16 @@ def read_reference(path: Path, paths: str = "") -> Reference:
     halves = {name: (picture, picture) for name, picture in pictures.items()}
     mask = layers["depth"] > 0
     return Reference(path.name, pictures, halves, mask, False, {"file": str(path)}, layers.get("position"))
+
+
+def _with_means(layers: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The layers, with the mean of two halves where a file has only those."""
+    means = {}
+    for paths in _BY_PATHS:
+        halves = [layers[name] for name in (f"seedA_{paths}", f"seedB_{paths}") if name in layers]
+        if len(halves) == 2 and halves[0].shape == halves[1].shape:
+            means[paths] = 0.5 * (halves[0] + halves[1])
+    return means | layers
 
 
 def _by_light_paths(path: Path, layers: dict[str, np.ndarray], paths: str) -> Reference:

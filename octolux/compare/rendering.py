@@ -35,12 +35,14 @@ _SAY_EVERY = 10.0  # seconds
 @dataclass(frozen=True)
 class Rendering:
     """A technique's pictures (height, width, 3), nits, by the names of LAYERS; mask bool (height, width); albedo and
-    position (height, width, 3); statistics as Renderer.statistics, with `technique_bytes`."""
+    position (height, width, 3); specular, the part of `indirect` that is not diffuse, likewise; statistics as
+    Renderer.statistics, with `technique_bytes`."""
 
     pictures: dict[str, np.ndarray]
     mask: np.ndarray
     albedo: np.ndarray
     position: np.ndarray
+    specular: np.ndarray
     statistics: dict[str, Any]
 
 
@@ -162,7 +164,7 @@ def fitted_constant(reference: Reference, albedo: np.ndarray, mask: np.ndarray) 
 def _rendering(picture: Picture, statistics: dict[str, Any]) -> Rendering:
     layers = picture.layers
     pictures = {name: np.array(layers[layer]) for name, layer in LAYERS.items()}
-    return Rendering(pictures, picture.mask, layers["albedo"], layers["position"], statistics)
+    return Rendering(pictures, picture.mask, layers["albedo"], layers["position"], layers["specular"], statistics)
 
 
 def _halves(choice: Choice, samples: int | None) -> list[Choice]:

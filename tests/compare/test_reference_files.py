@@ -65,6 +65,19 @@ def test_light_paths_without_halves(tmp_path):
     np.testing.assert_array_equal(found.halves["indirect"][1], arrays["all_indirect"])
 
 
+def test_two_halves_suffice(tmp_path):
+    """The picture is then their mean; with halves of other light alone there is still none."""
+    arrays = {k: v for k, v in by_light_paths().items() if k in ("direct", "mask") or k.endswith("A_first_bounce")}
+    arrays["seedB_first_bounce"] = 3 * arrays["seedA_first_bounce"]
+    np.savez(tmp_path / "a.npz", **arrays)
+    found = read_reference(tmp_path / "a.npz", "first_bounce")
+    np.testing.assert_array_equal(found.pictures["indirect"], 2 * arrays["seedA_first_bounce"])
+    np.testing.assert_array_equal(found.pictures["final"], arrays["direct"] + 2 * arrays["seedA_first_bounce"])
+    assert found.noise_free
+    with pytest.raises(OctoluxError, match="all_indirect"):
+        read_reference(tmp_path / "a.npz")
+
+
 @pytest.mark.parametrize("suffix", [".exr", ".npz"])
 def test_broken_files(picture, tmp_path, suffix):
     path = tmp_path / f"a{suffix}"
