@@ -9,6 +9,7 @@ from ..gpu.device import Device, DeviceError
 from ..gpu.limits import DEFAULT_LIMITS
 from ..gpu.passes import ComputePass
 from ..gpu_scene.gpu_scene import GpuScene
+from ..simulator.rsm import MIN_COSINE
 from .frame import COARSE_BLOCK, Frame, FrameSettings
 from .shader_values import CONSTANTS, surface_values
 from .shadows import ShadowMapPass
@@ -18,7 +19,7 @@ from .structs import LIGHT, RSM_SET, VIEW, VPL, lights_binding, views_binding
 class RSMPass:
     """Takes one texel of each block of the shadow maps and makes it a VPL that reflects what the whole block receives:
     flux = albedo * intensity * solid angle of the block (OLPV 3.3), or albedo * illuminance * its area across a
-    directional light."""
+    directional light. Its area is the surface that the block covers (simulator/rsm.py)."""
 
     def __init__(self, device: Device, scene: GpuScene, settings: FrameSettings):
         self.device = device
@@ -38,7 +39,7 @@ class RSMPass:
                 texture("shadow_ids", "uint", "2d-array"), storage_rw("vpls", VPL, "write"),
             ],
             structs=[VIEW, LIGHT, VPL, RSM_SET], shared=scene.bindings, shadows=False,
-            resolution=resolution, stride=stride, **CONSTANTS, **surface_values(scene),
+            resolution=resolution, stride=stride, min_cosine=MIN_COSINE, **CONSTANTS, **surface_values(scene),
         )  # fmt: skip
 
     def run(self, frame: Frame, shadow_maps: ShadowMapPass) -> None:

@@ -29,23 +29,29 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if material.unlit == 1u { reflected = vec3f(0.0); }
     {% endif %}
     let metallic = material_roughness_metallic(material, hit.uv, hit.footprint).y;
-    let facing = select(1.0, -1.0, dot(hit.geometric_normal, ray.direction) > 0.0);
+    let along = dot(hit.geometric_normal, ray.direction);
+    let facing = select(1.0, -1.0, along > 0.0);
 
     // Light that this block of texels receives (lm or W). Its solid angle is area * cos^3 at distance 1 (OLPV 3.3), where
     // the ray, whose part along the axis is 1, has the length 1 / cos. The exact difference of arctangents would lose more
     // to rounding than this midpoint rule errs, 1e-5 at 256 texels.
+    // footprint: what the block covers at the surface's distance, across the ray (m^2).
     var received = light.color;
+    var footprint = length(to_right.origin) * length(down.origin);
+    let secant = length(ray.direction);
     if view.perspective == 1u {
-        let secant = length(ray.direction);
-        received *= length(to_right.direction) * length(down.direction) / (secant * secant * secant);
+        let solid_angle = length(to_right.direction) * length(down.direction) / (secant * secant * secant);
+        received *= solid_angle;
+        footprint = solid_angle * pow(hit.depth * secant, 2.0);
         if maps.emitters == 1u {
             received *= emitter_lobe(light, normalize(ray.direction));
         } else if light.cone_slope > 0.0 {
             received *= spot_attenuation(light, -normalize(ray.direction));
         }
     } else {
-        received *= length(to_right.origin) * length(down.origin);
+        received *= footprint;
     }
     let albedo = reflected * (1.0 - metallic);
-    vpls[index] = Vpl(hit.position, pack_unit_vector(facing * hit.normal), albedo * received, 0.0);
+    let area = footprint / max(abs(along) / secant, {{ min_cosine }});
+    vpls[index] = Vpl(hit.position, pack_unit_vector(facing * hit.normal), albedo * received, area);
 }

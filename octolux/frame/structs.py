@@ -21,8 +21,9 @@ RASTER_VIEW_STRIDE = DEFAULT_LIMITS["min-uniform-buffer-offset-alignment"]
 LIGHT = Struct(
     "Light", position="vec3f", texel="f32", direction="vec3f", cos_outer="f32", color="vec3f", cone_slope="f32",
 )  # fmt: skip
-# A texel of an RSM as a light: position and normal (octahedral) in world space; flux it reflects (lm or W).
-VPL = Struct("Vpl", position="vec3f", normal="u32", flux="vec3f", padding="f32")
+# A texel of an RSM as a light: position and normal (octahedral) in world space; flux it reflects (lm or W); area of
+# its surface (m^2, simulator/rsm.py's vpl_area), 0 where the light meets nothing.
+VPL = Struct("Vpl", position="vec3f", normal="u32", flux="vec3f", area="f32")
 # The surroundings: a constant (nits) and a map of `levels` mip levels, turned by `turn` (u). texels: as many as would
 # cover the sphere at the size of those at the horizon.
 ENVIRONMENT = Struct("EnvironmentSettings", radiance="vec3f", turn="f32", levels="f32", texels="f32")

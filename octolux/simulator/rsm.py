@@ -21,6 +21,15 @@ when drawn into a face."""
 CUBE_UP = np.array([[0, 1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1], [0, 1, 0], [0, 1, 0]], dtype=np.float64)
 """World direction of falling rows (row 0 is at the top), (6, 3)."""
 
+MIN_COSINE = 1.0 / 16.0
+"""Below this cosine between a texel's ray and its surface (86.4 degrees) the surface's area is not believed.
+
+A texel whose ray meets a surface at cosine mu claims 1 / mu footprints, and knows only one point of them. Over surfaces
+of all orientations mu has the density 2 mu among texels. A bound m loses the integral of 2 (1 - mu / m) over mu < m,
+which is m, of a whole of 2: 1/32 of the area here. Without it the mean square, the integral of 2 / mu, is infinite: one
+texel on the rim of a sphere may claim any area. With it that is 1 + 2 ln(1/m) = 6.5 footprints squared, and no texel
+claims more than 16 times what is seen of it."""
+
 
 def cube_texel_directions(resolution: int) -> np.ndarray:
     """Unit directions (6, N, N, 3) [face][row][column] through the texel centres of a cube map of `resolution` N."""
@@ -87,3 +96,12 @@ def vpl_flux_directional(albedo, illuminance, texel_area: float) -> np.ndarray:
     in that plane, m^2 (Kaplanyan & Dachsbacher 2010, 3.1: the flux accounts for the area of the texel).
     """
     return np.asarray(albedo, dtype=np.float64) * np.asarray(illuminance, dtype=np.float64) * texel_area
+
+
+def vpl_area(footprint, cosine) -> np.ndarray:
+    """Area (...), m^2, of the surfaces that texels stand for: footprint / cosine, the cosine at least MIN_COSINE.
+
+    footprint: (...), m^2 across the ray at the surface: solid angle * distance^2, or a directional light's texel.
+    cosine: (...), of the angle between the ray and the *geometric* normal; either sign.
+    """
+    return np.asarray(footprint, dtype=np.float64) / np.maximum(np.abs(cosine), MIN_COSINE)

@@ -127,6 +127,52 @@ def test_directional_light_on_a_floor(device, direction):
     assert np.allclose(unpack_normals(used["normal"]), [0, 1, 0])
 
 
+@pytest.mark.parametrize(("shadow", "rsm"), [(64, 64), (128, 32)])
+def test_areas_of_a_wall_lit_by_a_point_light(device, shadow, rsm):
+    """A wall across one face of the shadow map, from texel border to texel border: its texels' areas are its own. All
+    errors are those of float32: some ten roundings of 6e-8 in a texel, and the positions' in a distance of 2."""
+    wall = quad([(-1.5, -1.0, -2.0), (1.0, -1.0, -2.0), (1.0, 0.5, -2.0), (-1.5, 0.5, -2.0)])
+    light = PointLight(position=(0.0, 0.0, 0.0), intensity=(1.0, 1.0, 1.0))
+    vpls = vpls_of(device, scene_of([wall], [Material(double_sided=True)], lights=[light]), shadow=shadow, rsm=rsm)
+    assert np.count_nonzero(vpls["area"]) == 2.5 * 1.5 / (4.0 / rsm) ** 2
+    assert vpls["area"].sum(dtype=np.float64) == pytest.approx(2.5 * 1.5, rel=1e-5)
+
+
+def test_areas_of_a_closed_box(device):
+    """Slanted surfaces, far and near: together the whole box, and each texel as the simulator has it."""
+    vpls = vpls_of(device, room([LAMP]), shadow=128, rsm=128)
+    directions = reference.cube_texel_directions(128)
+    position, normal = meet_box(np.array(LAMP.position), directions)
+    to_walls = np.sort(np.minimum(position - LOW, HIGH - position), axis=-1)
+    sure = to_walls[..., 1] > 1e-3
+    distance = np.linalg.norm(position - np.array(LAMP.position), axis=-1)
+    footprint = distance**2 * reference.texel_solid_angles_thesis(128)
+    expected = reference.vpl_area(footprint, np.sum(directions * normal, axis=-1))
+    np.testing.assert_allclose(vpls["area"][sure], expected[sure], rtol=1e-4)
+    # The texels on the twelve edges go whole to one of two walls: at most half of each is wrong.
+    size = HIGH - LOW
+    whole = 2 * (size[0] * size[1] + size[1] * size[2] + size[2] * size[0])
+    walls = np.abs(normal).argmax(axis=-1)
+    on_edges = expected[:, 1:][walls[:, 1:] != walls[:, :-1]].sum()
+    on_edges += expected[:, :, 1:][walls[:, :, 1:] != walls[:, :, :-1]].sum()
+    assert vpls["area"].sum(dtype=np.float64) == pytest.approx(whole, abs=0.5 * on_edges)
+    assert on_edges < 0.05 * whole
+
+
+@pytest.mark.parametrize("slope", [1.0, 1 / 8, 1 / 32])
+def test_areas_under_a_directional_light(device, slope):
+    """A floor of 4 m^2 under a sun of slope `slope`: its own area, until it is so edge-on that areas are bounded."""
+    floor = quad([(-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1)])
+    light = DirectionalLight(direction=(0.0, -slope, -1.0), illuminance=(1.0, 1.0, 1.0))
+    area = vpls_of(device, scene_of([floor], lights=[light]), shadow=256, rsm=256)["area"][0].astype(np.float64)
+    expected = 4.0 * min(1.0, np.sin(np.arctan(slope)) / reference.MIN_COSINE)
+    used = np.pad(area > 0, 1)
+    rim = area[~(used[:-2, 1:-1] & used[2:, 1:-1] & used[1:-1, :-2] & used[1:-1, 2:]) & (area > 0)]
+    # A straight rim puts the texels that it crosses in or out by their centres: at most half of each is wrong.
+    assert area.sum() == pytest.approx(expected, abs=0.5 * rim.sum())
+    assert rim.sum() < 0.5 * expected
+
+
 LIGHTS = {
     "point": LAMP,
     "spot": SpotLight(position=(0.0, 0.5, 0.0), direction=(0.0, -1.0, -0.4), intensity=(5.0, 6.0, 7.0)),
