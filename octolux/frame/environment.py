@@ -19,9 +19,9 @@ from .structs import ENVIRONMENT
 
 # The sky is seen in the mirror and behind the scene: at 2048 a texel is 0.18 degrees, a pixel of a wide camera.
 _WIDEST = 2048
-# Irradiance changes slowly, and lights are cut at most a few hundred times.
+# Irradiance changes slowly, and of some hundred lights each stands for hundreds of texels of a map so wide.
 _IRRADIANCE_SIZE = (32, 64)
-_CUT_WIDTH = 256
+_LIGHTS_WIDTH = 256
 
 
 class SurroundingsMap:
@@ -71,8 +71,8 @@ class SurroundingsMap:
     def lights(self, count: int) -> list[SkyLight]:
         """The environment as at most `count` distant lights, for its shadows and for what it lights indirectly."""
         if count not in self._lights:
-            image = reference.total_map(self._small, _CUT_WIDTH)
-            pairs = zip(*reference.median_cut(image, count, self._small.rotation), strict=True) if count else ()
+            image = reference.total_map(self._small, _LIGHTS_WIDTH)
+            pairs = zip(*reference.distant_lights(image, count, self._small.rotation), strict=True)
             self._lights[count] = [SkyLight(direction=_vector(-d), illuminance=_vector(e)) for d, e in pairs]
         return self._lights[count]
 
