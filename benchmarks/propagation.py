@@ -38,7 +38,7 @@ def preset_propagation(preset: str, n: int, cell_format: str = "", evaluation: s
     """The propagation of a preset, in its own cell format and evaluation unless others are named."""
     s = UniformLpvSettings.from_strings(preset)
     return Propagation(
-        device(), n, evaluation=evaluation or s.evaluation, reprojection=s.reprojection, gain=s.gain,
+        device(), [n], evaluation=evaluation or s.evaluation, reprojection=s.reprojection, gain=s.gain,
         cell_format=cell_format or s.cell_format,
     )  # fmt: skip
 

@@ -21,7 +21,7 @@ SCHEMES = [(e, r) for e in reference.EVALUATIONS for r in reference.REPROJECTION
 @cache
 def kernel(device, n: int, evaluation: str, reprojection: str, gain: float, cell_format: str) -> Propagation:
     return Propagation(
-        device, n, evaluation=evaluation, reprojection=reprojection, gain=gain, cell_format=cell_format
+        device, [n], evaluation=evaluation, reprojection=reprojection, gain=gain, cell_format=cell_format
     )
 
 

@@ -1,21 +1,42 @@
 // What a cell stores while light travels: numbers that its flux is linear in, in one of two formats.
 {{ use("techniques/lpv/storage_scale.wgsl") }}
 
-// Stored cells have a border of one cell that stays dark, so that no step asks where the volume ends.
-fn stored_index(cell: vec3i, channel: u32) -> u32 {
-    return 3u * u32(cell.x + 1 + {{ n + 2 }} * (cell.y + 1 + {{ n + 2 }} * (cell.z + 1))) + channel;
+// The levels lie behind one another, the finest first. A level of `stored` cells has a border of one cell that stays dark,
+// so that no step asks where the volume ends; its light has none. Threads in a row belong to one level, in whole workgroups.
+struct Level { n: i32, stored: i32, light: i32, first: u32, number: u32 }
+
+// Dispatches come in rows, as no dimension has more than 65,535 workgroups.
+fn thread_of(id: vec3u) -> u32 { return id.x + {{ row }}u * id.y; }
+
+fn level_of(thread: u32) -> Level {
+    {% for level in levels %}
+    {% if not loop.last %}if thread < {{ level.end }}u { {% endif -%}
+    return Level({{ level.n }}, {{ level.stored }}, {{ level.light }}, {{ level.first }}u, {{ loop.index0 }}u);
+    {%- if not loop.last %} }{% endif %}
+    {% endfor %}
+}
+
+// The cell number `number` of a level of n^3, x quickest.
+fn cell_of(number: u32, n: i32) -> vec3i {
+    let edge = u32(n);
+    return vec3i(vec3u(number % edge, (number / edge) % edge, number / (edge * edge)));
+}
+
+fn stored_index(level: Level, cell: vec3i, channel: u32) -> u32 {
+    let edge = level.n + 2;
+    return 3u * u32(level.stored + cell.x + 1 + edge * (cell.y + 1 + edge * (cell.z + 1))) + channel;
 }
 
 // Where a cell's accumulated light lies.
-fn light_index(cell: vec3i, channel: u32) -> u32 {
-    return 3u * u32(cell.x + {{ n }} * (cell.y + {{ n }} * cell.z)) + channel;
+fn light_index(level: Level, cell: vec3i, channel: u32) -> u32 {
+    return 3u * u32(level.light + cell.x + level.n * (cell.y + level.n * cell.z)) + channel;
 }
 
-fn store(cell: vec3i, channel: u32, e: vec4f) {
+fn store(level: Level, cell: vec3i, channel: u32, e: vec4f) {
     {% if format == "f16" %}
-    cells_out[stored_index(cell, channel)] = vec2u(pack2x16float(e.xy), pack2x16float(e.zw));
+    cells_out[stored_index(level, cell, channel)] = vec2u(pack2x16float(e.xy), pack2x16float(e.zw));
     {% else %}
-    cells_out[stored_index(cell, channel)] = e;
+    cells_out[stored_index(level, cell, channel)] = e;
     {% endif %}
 }
 

@@ -41,14 +41,17 @@ class VplSource:
 
 
 class Injection:
-    """Adds lights' VPLs to `injected`: vec4f [z][y][x][rgb], W/sr. `peak` holds its largest band-0 coefficient."""
+    """Adds lights' VPLs to `injected`: vec4f [z][y][x][rgb], W/sr. `peak` holds its largest band-0 coefficient.
 
-    def __init__(self, device: Device, n: int):
+    cells: how many `injected` has room for, if more than n^3 (the coarser levels of an octree follow the finest).
+    """
+
+    def __init__(self, device: Device, n: int, cells: int | None = None):
         self.device, self.n = device, n
-        cells = n**3
+        cells = n**3 if cells is None else cells
         self.injected = device.buffer("LPV injected light", size=cells * 48)
         self.peak = device.buffer("LPV peak", size=4)
-        self._sums = device.buffer("LPV fixed-point sums", size=cells * 48)
+        self._sums = device.buffer("LPV fixed-point sums", size=n**3 * 48)
         self._sources: list[Any] = []
         source, grid = uniform("source", SOURCE), uniform("grid", GRID)
         sums = Binding("sums", "var<storage, read_write> sums: array<atomic<i32>>;", "read_write",

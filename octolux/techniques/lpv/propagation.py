@@ -1,8 +1,9 @@
-"""Propagation of a volume of n^3 cells: k steps of face flux and reprojection, and the sum of all of them."""
+"""Propagation of a volume's levels: k steps of face flux and reprojection, and the sum of all of them."""
 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 from typing import Any
 
 from ...gpu.bindings import storage, storage_rw
@@ -10,6 +11,7 @@ from ...gpu.device import Device
 from ...gpu.passes import ComputePass
 from ...simulator.lpv import transfer
 from .constants import propagation_values
+from .levels import ROW, WORKGROUP, Levels
 
 # Cells a thread does: neighbours in y and z share loads, while threads side by side in x read what lies side by side.
 # Each cell is a neighbour of another in its block, so all of the block's own cells are read.
@@ -34,44 +36,68 @@ def block_sources(block: tuple[int, int, int] = BLOCK) -> list[dict[str, Any]]:
 
 
 class Propagation:
-    """`light` holds the accumulated light after `run`: vec4f [z][y][x][rgb], scaled for storage (cells.wgsl)."""
+    """`light` holds the accumulated light after `run`: vec4f [level][z][y][x][rgb], scaled for storage (cells.wgsl).
+
+    sizes: cells along each side of the levels, all of which are propagated by the same dispatches; one is a uniform
+    volume. Of a level of one cell all light leaves: it is not propagated.
+    threshold: with one, `touched` becomes 1 where a level has been brought light (OLPV 4.2, the index volume): a
+    contribution of more than that share of the power of two below the largest injected one.
+    """
 
     def __init__(
-        self, device: Device, n: int, *, evaluation: str, reprojection: str, gain: float, cell_format: str
-    ):
-        kind, size = _CELL_TYPES[cell_format], (n + 2) ** 3 * _CELL_BYTES[cell_format]
-        self.n = n
+        self, device: Device, sizes: Sequence[int], *, evaluation: str, reprojection: str, gain: float,
+        cell_format: str, threshold: float | None = None,
+    ):  # fmt: skip
+        self.levels = Levels(sizes)
+        self._travelled = Levels([n for n in sizes if n > 1])
+        self._device, self._kind = device, _CELL_TYPES[cell_format]
+        size = self.levels.stored * _CELL_BYTES[cell_format]
         self._cells = [device.buffer("LPV cells", size=size) for _ in range(2)]
-        self.light = device.buffer("LPV accumulated light", size=n**3 * 48)
-        self._values = {"n": n, "format": cell_format, **propagation_values(evaluation, reprojection, gain)}
-        self._device, self._kind = device, kind
+        self.light = device.buffer("LPV accumulated light", size=self.levels.cells * 48)
+        marks = threshold is not None
+        self._marked: dict[str, Any] = {}
+        if marks:
+            self._marked = {"touched": device.buffer("LPV index volume", size=self.levels.cells * 4)}
+        self._values = {
+            "format": cell_format, "row": ROW, "marks": marks, "threshold": 8.0 * (threshold or 0.0),  # storage_scale.wgsl: 8
+            **propagation_values(evaluation, reprojection, gain),
+        }  # fmt: skip
         self._start = ComputePass(
             device, "start", "techniques/lpv/start.wgsl",
             [storage("injected", "vec4f"), storage("peak", "u32"), storage_rw("light", "vec4f", "write"),
-             storage_rw("cells_out", kind, "write")],
-            workgroup=(min(32, n), 4, 2), **self._values,
+             storage_rw("cells_out", self._kind, "write"), *(storage_rw(name, "u32") for name in self._marked)],
+            workgroup=(WORKGROUP, 1, 1), levels=self.levels.described(), **self._values,
         )  # fmt: skip
         self._steps: dict[int, ComputePass] = {}
+
+    @property
+    def touched(self) -> Any:
+        """u32 [level][z][y][x]: 1 where the index volume's I_i is i."""
+        return self._marked["touched"]
 
     def _step(self, adds: int) -> ComputePass:
         """The pass that adds so many terms to the sum: none, what it makes, or what it reads as well."""
         if adds not in self._steps:
-            light = [storage_rw("light", "vec4f")] if adds else []
+            sums = [storage_rw("light", "vec4f"), *(storage_rw(name, "u32") for name in self._marked)] if adds else []
             self._steps[adds] = ComputePass(
                 self._device, "propagate", "techniques/lpv/propagation.wgsl",
-                [storage("cells_in", self._kind), storage_rw("cells_out", self._kind, "write"), *light],
-                workgroup=(min(32, self.n), 1, 1), block=BLOCK, adds=adds, sources=block_sources(),
-                block_cells=list(itertools.product(*(range(b) for b in BLOCK))), **self._values,
+                [storage("cells_in", self._kind), storage_rw("cells_out", self._kind, "write"), *sums],
+                workgroup=(WORKGROUP, 1, 1), block=BLOCK, adds=adds, sources=block_sources(),
+                block_cells=list(itertools.product(*(range(b) for b in BLOCK))),
+                levels=self._travelled.described(BLOCK), **self._values,
             )  # fmt: skip
         return self._steps[adds]
 
     def run(self, stage: Any, injected: Any, peak: Any, iterations: int) -> None:
-        """Accumulate S_0 to S_k from `injected` (Injection.injected) with k = `iterations`."""
+        """Accumulate S_0 to S_k of `injected` (vec4f [level][z][y][x][rgb], W/sr) with k = `iterations`."""
         source, target = self._cells
-        self._start.run(stage, (self.n,) * 3, injected=injected, peak=peak, light=self.light, cells_out=source)
-        threads = tuple(-(-self.n // size) for size in BLOCK)
+        self._start.run(
+            stage, self.levels.dispatched(), injected=injected, peak=peak, light=self.light, cells_out=source,
+            **self._marked,
+        )  # fmt: skip
+        threads = self._travelled.dispatched(BLOCK)
         # An odd number of steps begins with one that adds itself; then each second one adds two.
         for adds in [1] * (iterations % 2) + [0, 2] * (iterations // 2):
-            light = {"light": self.light} if adds else {}
-            self._step(adds).run(stage, threads, cells_in=source, cells_out=target, **light)
+            sums = {"light": self.light, **self._marked} if adds else {}
+            self._step(adds).run(stage, threads, cells_in=source, cells_out=target, **sums)
             source, target = target, source

@@ -8,12 +8,12 @@
 {{ use("techniques/lpv/cells.wgsl") }}
 
 {% if format == "f16" %}
-fn load(cell: vec3i, channel: u32) -> vec4f {
-    let packed = cells_in[stored_index(cell, channel)];
+fn load(level: Level, cell: vec3i, channel: u32) -> vec4f {
+    let packed = cells_in[stored_index(level, cell, channel)];
     return vec4f(unpack2x16float(packed.x), unpack2x16float(packed.y));
 }
 {% else %}
-fn load(cell: vec3i, channel: u32) -> vec4f { return cells_in[stored_index(cell, channel)]; }
+fn load(level: Level, cell: vec3i, channel: u32) -> vec4f { return cells_in[stored_index(level, cell, channel)]; }
 {% endif %}
 
 {% set axes = {"x": "w", "y": "y", "z": "z"} %}
@@ -42,8 +42,16 @@ fn load(cell: vec3i, channel: u32) -> vec4f { return cells_in[stored_index(cell,
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    let base = vec3i(id) * vec3i({{ block|join(", ") }});
-    if any(base >= vec3i({{ n }})) { return; }
+    let thread = thread_of(id);
+    let level = level_of(thread);
+    let number = thread - level.first;
+    let blocks = vec3u(u32(level.n)) / vec3u({{ block|join("u, ") }}u);
+    if number >= blocks.x * blocks.y * blocks.z { return; }
+    let block = vec3u(number % blocks.x, (number / blocks.x) % blocks.y, number / (blocks.x * blocks.y));
+    let base = vec3i(block) * vec3i({{ block|join(", ") }});
+    {% for cell in block_cells if marks and adds %}
+    var largest_{{ loop.index0 }} = 0.0;
+    {% endfor %}
     for (var channel = 0u; channel < 3u; channel++) {
         {% for cell in block_cells %}
         var total_{{ loop.index0 }} = 0.0;
@@ -54,7 +62,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         {% endfor %}
         {% for source in sources %}
         {
-            let e = load(base + vec3i({{ source.offset|join(", ") }}), channel);
+            let e = load(level, base + vec3i({{ source.offset|join(", ") }}), channel);
             {% for use in source.uses %}
             {{ receive(use.cell, use.axis, use.sign) }}
             {% endfor %}
@@ -68,10 +76,19 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             let cell = base + vec3i({{ cell|join(", ") }});
             let c = vec4f({{ lobe0 }} * total_{{ loop.index0 }}, {{ lobe1 }} * vector_{{ loop.index0 }}.yzx);
             {% if adds %}
-            light[light_index(cell, channel)] += c{% if adds == 2 %} + former_{{ loop.index0 }}{% endif %};
+            light[light_index(level, cell, channel)] += c{% if adds == 2 %} + former_{{ loop.index0 }}{% endif %};
             {% endif %}
-            store(cell, channel, to_emission(c));
+            {% if adds and marks %}
+            largest_{{ loop.index0 }} = max(largest_{{ loop.index0 }}, {% if adds == 2 %}max(c.x, former_{{ loop.index0 }}.x){% else %}c.x{% endif %});
+            {% endif %}
+            store(level, cell, channel, to_emission(c));
         }
         {% endfor %}
     }
+    {% for cell in block_cells if marks and adds %}
+    // I_i = i where a step brought light (OLPV 4.2, propagation)
+    if largest_{{ loop.index0 }} > {{ threshold }} {
+        touched[light_index(level, base + vec3i({{ cell|join(", ") }}), 0u) / 3u] = 1u;
+    }
+    {% endfor %}
 }

@@ -34,7 +34,7 @@ class UniformLpv(Technique):
         s = settings
         self.injection = Injection(device, s.n)
         self.propagation = Propagation(
-            device, s.n, evaluation=s.evaluation, reprojection=s.reprojection, gain=s.gain, cell_format=s.cell_format
+            device, [s.n], evaluation=s.evaluation, reprojection=s.reprojection, gain=s.gain, cell_format=s.cell_format
         )
         self.lookup = Lookup(
             device, s.n, reading=s.reading, damping=s.damping, lookup_offset=s.lookup_offset, scale=s.scale
