@@ -14,6 +14,9 @@ TRIMMED_SHARE = 0.03
 LEAK_SHARE = 0.01
 """Of the lit level: below it the reference counts as dark, above it a picture counts as lit."""
 
+LEAST_DARK_SHARE = 0.01
+"""Of the masked pixels: with fewer dark ones no share of them is told; they are corners, or noise of the reference."""
+
 
 def luminance(radiance) -> np.ndarray:
     """Of linear Rec. 709 (..., 3): (...), float64."""
@@ -76,7 +79,7 @@ class Leak(NamedTuple):
     """How much light is where the reference is dark.
 
     score: share of the dark pixels that are lit.  mean: their mean luminance over the lit level.  Both None where
-    there are no dark pixels.  dark_share: share of the masked pixels that are dark.
+    fewer than LEAST_DARK_SHARE are dark.  dark_share: share of the masked pixels that are dark.
     """
 
     score: float | None
@@ -105,8 +108,8 @@ def leak(light, seed_a, seed_b, mask, level: float) -> Leak:
     """
     limit = LEAK_SHARE * level
     dark = mask & (luminance(seed_a) < limit) & (luminance(seed_b) < limit)
-    count, all_seen = int(dark.sum()), int(np.sum(mask))
-    if not count:
-        return Leak(None, None, 0.0)
+    share = float(dark.sum() / max(1, np.sum(mask)))
+    if share < LEAST_DARK_SHARE:
+        return Leak(None, None, share)
     values = luminance(light)[dark]
-    return Leak(float((values > limit).mean()), float(values.mean() / level), count / all_seen)
+    return Leak(float((values > limit).mean()), float(values.mean() / level), share)

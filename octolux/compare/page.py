@@ -9,7 +9,7 @@ import jinja2
 
 from ..gpu.memory import readable
 from . import colour_maps
-from .metrics import LEAK_SHARE, TRIMMED_SHARE
+from .metrics import LEAK_SHARE, LEAST_DARK_SHARE, TRIMMED_SHARE
 from .page_pictures import VIEWS, Gallery, series
 from .plot import plot
 from .rendering import LAYERS
@@ -46,6 +46,7 @@ def page(report: Report) -> str:
         views={name: _view(about) for name, about in views.items()},
         plots={layer: plot(report, layer) for layer in ("indirect", "final")},
         leak_share=LEAK_SHARE,
+        least_dark_share=LEAST_DARK_SHARE,
         trimmed_share=TRIMMED_SHARE,
         viewer={
             "series": found, "pictures": gallery.uris, "size": report.facts["size"],

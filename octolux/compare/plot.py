@@ -64,7 +64,7 @@ def _time_ticks(low: float, high: float) -> list[float]:
     powers = range(math.floor(low) - 1, math.ceil(high) + 1)
     ticks = [m * 10.0**p for p in powers for m in (1, 2, 5)]
     inside = [t for t in ticks if low - 1e-9 <= math.log10(t) <= high + 1e-9]
-    return inside if len(inside) <= 10 else [t for t in inside if math.log10(t) % 1 < 1e-9] or inside
+    return inside if len(inside) <= 8 else [t for t in inside if math.log10(t) % 1 < 1e-9] or inside
 
 
 def _text(ms: float) -> str:

@@ -103,6 +103,15 @@ def test_leaks_are_counted():
     assert leak(light, flat(1.0), flat(1.0), MASK, 1.0) == (None, None, 0.0)
 
 
+def test_few_dark_pixels_tell_nothing():
+    """Of 1600 masked pixels 16 are 1 %; with 15 no share is told, but how few there are."""
+    reference = flat(1.0)
+    reference[0, :16] = 0.0
+    assert leak(flat(1.0), reference, reference, MASK, 1.0) == (1.0, 1.0, 0.01)
+    reference[0, 15] = 1.0
+    assert leak(flat(1.0), reference, reference, MASK, 1.0) == (None, None, 15 / 1600)
+
+
 def test_dark_is_what_both_halves_find_dark():
     a, b = flat(0.0), flat(0.0)
     a[:20], b[10:30] = 1.0, 1.0
