@@ -128,7 +128,7 @@ def bvh_build() -> dict[str, float]:
     traced.gpu_scene.sync(scene)
     traced.bvh.sync(traced.gpu_scene)
     levels = traced.bvh.levels
-    memory = traced.bvh.buffer.size / 1e6
+    memory = sum(v for k, v in device().memory.by_label().items() if k == "BVH") / 1e6
     return {"build": float(np.median(builds)), "refit": float(np.median(refits)), "memory": memory,
             "nodes": sum(levels), "levels": len(levels)}  # fmt: skip
 

@@ -11,8 +11,9 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+import wgpu
 
-from ..gpu.bindings import storage, storage_rw, storage_words, uniform
+from ..gpu.bindings import storage, storage_rw, storage_texture, storage_words, uniform
 from ..gpu.device import Device, DeviceError
 from ..gpu.layout import Struct
 from ..gpu.limits import DEFAULT_LIMITS
@@ -37,22 +38,27 @@ FLAG_MASKED, FLAG_SINGLE_SIDED, FLAG_FLIPPED = 1, 2, 4
 _TRIANGLE_WORDS = _NODE_WORDS = 3
 # Of each drawn instance the triangles' corners (kept when a mesh is deformed), its first vertex and triangle.
 Topology = list[tuple[np.ndarray, int, int]]
+_ROW_BITS = 10  # words of a row of the texture: 8192 rows of them are as much as one buffer binding holds
 _STACK_STEP = 32  # the stack's size is a multiple, so that shaders are rarely made anew
 
 
 class Bvh:
-    """Follows a GpuScene. `buffer` is what rays go through (raytracing/traverse.wgsl), bound as `binding`; `values`
-    what that shader wants to know. `version` grows when `values` changes, so that passes made for it are made anew."""
+    """Follows a GpuScene. `texture` is what rays go through (raytracing/traverse.wgsl), bound as `binding`; `values`
+    what that shader wants to know. `version` grows when `values` changes, so that passes made for it are made anew.
 
-    binding = storage("bvh", "vec4u")
+    `buffer` is what the texture is a copy of, word by word: refits read and write it.
+    """
+
+    binding = storage_texture("bvh", "rgba32uint", access="read")
 
     def __init__(self, device: Device):
         self.device = device
         self.version = 0
         self.buffer: Any = None
+        self.texture: Any = None
         self.values: dict[str, Any] = {
-            "bvh_stack": _STACK_STEP, "flag_masked": FLAG_MASKED, "flag_single_sided": FLAG_SINGLE_SIDED,
-            "flag_flipped": FLAG_FLIPPED,
+            "bvh_stack": _STACK_STEP, "bvh_row_bits": _ROW_BITS, "flag_masked": FLAG_MASKED,
+            "flag_single_sided": FLAG_SINGLE_SIDED, "flag_flipped": FLAG_FLIPPED,
         }  # fmt: skip
         self._built_for: Topology | None = None
         self._moves = -1
@@ -107,7 +113,7 @@ class Bvh:
         return tuple(count for _, count in self._tree.levels)
 
     def _build(self, scene: GpuScene) -> None:
-        self.buffer = None
+        self.buffer = self.texture = None
         ids = triangle_ids(scene)
         count = self._triangles = len(ids)
         self._check_size(2 * 16 * 2 * count, count)
@@ -141,7 +147,10 @@ class Bvh:
         self._root = 1 + _TRIANGLE_WORDS * self._triangles
         words = self._root + _NODE_WORDS * nodes
         self._check_size(16 * words, self._triangles)
-        self.buffer = self.device.buffer("BVH", size=16 * words)
+        rows = -(-words // (1 << _ROW_BITS))
+        self.buffer = self.device.buffer("BVH", size=rows << _ROW_BITS + 4)
+        usage = wgpu.TextureUsage.STORAGE_BINDING | wgpu.TextureUsage.COPY_DST
+        self.texture = self.device.texture("BVH", (1 << _ROW_BITS, rows), "rgba32uint", usage=usage)
         self._boxes = self.device.buffer("BVH boxes", size=32 * nodes)
         self._flags = self.device.buffer("BVH flags", size=4 * len(scene.drawn.instances))
         self._all = parameters(self.device, self._triangles)
@@ -164,15 +173,17 @@ class Bvh:
 
     def _refit(self, stage: Stage, scene: GpuScene) -> None:
         """Triangles, then boxes: a level sees what the one below it wrote only in a dispatch of its own."""
-        if not self._triangles:
-            return
-        self._refit_triangles.run(
-            stage, (self._triangles,), parameters=self._all, order=self._tree.order, flags=self._flags,
-            bvh=self.buffer, **_geometry(scene),
-        )  # fmt: skip
+        if self._triangles:
+            self._refit_triangles.run(
+                stage, (self._triangles,), parameters=self._all, order=self._tree.order, flags=self._flags,
+                bvh=self.buffer, **_geometry(scene),
+            )  # fmt: skip
         for count, given in self._levels:
             self._refit_nodes.run(stage, (count,), parameters=given, links=self._tree.links, boxes=self._boxes,
                                   bvh=self.buffer)  # fmt: skip
+        width, rows = self.texture.size[:2]
+        layout = {"buffer": self.buffer, "bytes_per_row": 16 * width, "rows_per_image": rows}
+        stage.encoder.copy_buffer_to_texture(layout, {"texture": self.texture}, (width, rows, 1))
 
     @contextmanager
     def _submitted(self) -> Iterator[Any]:

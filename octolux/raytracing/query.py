@@ -61,4 +61,4 @@ class RayQuery:
         profiler = Profiler(self.device, "off")
         with profiler.frame(), profiler.stage("ray query") as stage:
             self._pass.run(stage, (min(count, _ROW), -(-count // _ROW)), self.scene.resources, rays=rays,
-                           bvh=self.bvh.buffer, hits=hits)  # fmt: skip
+                           bvh=self.bvh.texture, hits=hits)  # fmt: skip

@@ -60,6 +60,10 @@ fn bvh_chance(id: u32, alpha_seed: u32) -> f32 {
 }
 {% endif %}
 
+fn bvh_word(at: u32) -> vec4u {
+    return textureLoad(bvh, vec2u(at & {{ 2 ** bvh_row_bits - 1 }}u, at >> {{ bvh_row_bits }}u));
+}
+
 // The axis that the ray runs along most comes last.
 fn bvh_turned(v: vec3f, axis: u32) -> vec3f {
     return select(select(v, v.zxy, axis == 1u), v.yzx, axis == 0u);
@@ -71,9 +75,9 @@ fn bvh_turned(v: vec3f, axis: u32) -> vec3f {
             {% if bvh_counts is defined %}
             bvh_visits.x++;
             {% endif %}
-            let w0 = bvh[current];
-            let w1 = bvh[current + 1u];
-            let w2 = bvh[current + 2u];
+            let w0 = bvh_word(current);
+            let w1 = bvh_word(current + 1u);
+            let w2 = bvh_word(current + 2u);
             let exponents = vec3u(w0.w, w0.w >> 8u, w0.w >> 16u) & vec3u(255u);
             let step = bitcast<vec3f>(exponents << vec3u(23u)) * inverse;
             let base = (bitcast<vec3f>(w0.xyz) - origin) * inverse;
@@ -119,9 +123,9 @@ fn bvh_turned(v: vec3f, axis: u32) -> vec3f {
             bvh_visits.y++;
             {% endif %}
             let word = current & BVH_WORD;
-            let wa = bvh[word];
-            let wb = bvh[word + 1u];
-            let wc = bvh[word + 2u];
+            let wa = bvh_word(word);
+            let wb = bvh_word(word + 1u);
+            let wc = bvh_word(word + 2u);
             let a = bvh_turned(bitcast<vec3f>(wa.xyz) - origin, axis);
             let b = bvh_turned(bitcast<vec3f>(wb.xyz) - origin, axis);
             let c = bvh_turned(bitcast<vec3f>(wc.xyz) - origin, axis);
@@ -164,7 +168,7 @@ fn bvh_turned(v: vec3f, axis: u32) -> vec3f {
 {% endmacro %}
 
 {% macro traverse(any) %}
-    let header = bvh[0];
+    let header = bvh_word(0);
     // An axis across the ray is given a slope that no coordinate is long enough to show.
     let longest = max(max(abs(direction.x), abs(direction.y)), abs(direction.z));
     let flat = abs(direction) < vec3f(1e-15 * longest);
@@ -189,14 +193,22 @@ fn bvh_turned(v: vec3f, axis: u32) -> vec3f {
     loop {
     asked = false;
     {% endif %}
+    // Loops end at their end, and nodes have their loop and triangles theirs: a software adapter goes through a loop's
+    // whole body once more when the last thread has left it at its beginning, and through all that an `if` guards.
     loop {
-        if current == BVH_DONE{{ " || asked" if cut }} { break; }
-        while current < BVH_LEAF {
-            {{ meet_boxes() }}
+        loop {
+            if current < BVH_LEAF {
+                {{ meet_boxes() }}
+            }
+            continuing { break if current >= BVH_LEAF; }
         }
-        if current != BVH_DONE {
-            {{ meet_triangle(any) }}
+        loop {
+            if current >= BVH_LEAF && current != BVH_DONE {
+                {{ meet_triangle(any) }}
+            }
+            continuing { break if current < BVH_LEAF || current == BVH_DONE{{ " || asked" if cut }}; }
         }
+        continuing { break if current == BVH_DONE{{ " || asked" if cut }}; }
     }
     {% if cut %}
     if !asked { break; }

@@ -154,7 +154,7 @@ class PathTracer(Technique):
             with frame.profiler.stage("paths") as stage:
                 trace.run(
                     stage, (width, rows), frame.gpu_scene.resources, settings=self._uniform,
-                    views=frame.buffers["views"], lights=frame.buffers["lights"], bvh=self.bvh.buffer,
+                    views=frame.buffers["views"], lights=frame.buffers["lights"], bvh=self.bvh.texture,
                     emitters=self._emitter_buffer, sky_table=self._sky, **frame.surroundings_map.resources, **ins,
                     **outs,
                 )  # fmt: skip
