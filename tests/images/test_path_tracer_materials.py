@@ -1,4 +1,4 @@
-"""What the path tracer does with masks, blending, sides, unlit materials, vertex colours and normal maps."""
+"""What the path tracer does with masks, blending, sides, unlit materials, vertex colours, textures and normal maps."""
 
 from __future__ import annotations
 
@@ -187,3 +187,19 @@ def test_lamp_behind_a_ceiling_with_a_hole(trace):
     error = np.sqrt((masked.noise**2).sum() + (solid.noise**2).sum()) / masked.noise.size
     assert abs(difference) <= 4 * error
     assert luminance(solid.radiance).mean() > 50 * error
+
+
+@pytest.mark.parametrize("height", [None, 1.5], ids=["perspective", "orthographic"])
+def test_textures_are_filtered_at_a_pixels_centre(trace, height):
+    """As the G-buffer has it, but for what a sampler may round: 8 bits of a place in a texel and of a mip level."""
+    pixels = np.random.default_rng(3).integers(0, 256, (64, 64, 4), np.uint8)
+    pixels[..., 3] = 255
+    material = Material(base_color_texture=Texture(Image(pixels)), specular=0.0)
+    scene = scene_of([sheet(0.0, material=0)], [material], lights=[SUN])
+    camera = Camera.look_at((0.9, 1.0, 1.1), (0.0, 0.0, 0.0), vertical_fov=0.7, orthographic_height=height)
+    picture = trace(scene, camera, pixel="centre", samples=1, paths="direct")
+    albedo = picture.layers["albedo"]  # under SUN the radiance too
+    assert picture.mask.mean() > 0.5
+    np.testing.assert_allclose(picture.layers["direct"], albedo, atol=3 / 256)
+    texels = trace(scene, camera, pixel="area", samples=1, paths="direct").layers["direct"]
+    assert np.abs(texels - albedo)[picture.mask].mean() > 0.1

@@ -51,7 +51,15 @@ fn trace_path(pixel: vec2u, index: u32) -> Sums {
     var direction = normalize(seen_ray.direction);
     var origin = seen_ray.origin;
     var nearest = settings.near * length(seen_ray.direction);
-    let still = Ray(vec3f(0.0), vec3f(0.0));
+    // How the ray moves from pixel to pixel. A path through the whole pixel averages textures by itself; one through the centre
+    // sees them filtered, as other techniques do. What it meets later is not filtered.
+    var to_right = Ray(vec3f(0.0), vec3f(0.0));
+    var down = Ray(vec3f(0.0), vec3f(0.0));
+    {% if centre %}
+    let stretch = 1.0 / length(seen_ray.direction);
+    to_right = Ray(views[0].origin_dx, views[0].direction_dx * stretch);
+    down = Ray(views[0].origin_dy, views[0].direction_dy * stretch);
+    {% endif %}
 
     var emitted = vec3f(0.0);
     var direct = vec3f(0.0);
@@ -81,7 +89,7 @@ fn trace_path(pixel: vec2u, index: u32) -> Sums {
             if depth == 0u { emitted += sky; } else if depth == 1u { direct += throughput * sky; } else { indirect += throughput * sky; }
             break;
         }
-        let hit = hit_triangle(found.id, Ray(origin, direction), still, still);
+        let hit = hit_triangle(found.id, Ray(origin, direction), to_right, down);
         let material = load_materials(hit.material);
         if depth == 0u { coverage = 1.0; }
         {% if unlit %}
@@ -113,6 +121,10 @@ fn trace_path(pixel: vec2u, index: u32) -> Sums {
         direction = bounce.direction;
         origin = offset_origin(here.position, here.surface.geometric_normal, direction);
         nearest = 0.0;
+        {% if centre %}
+        to_right = Ray(vec3f(0.0), vec3f(0.0));
+        down = to_right;
+        {% endif %}
     }
     {% if paths == "all" %}
     let shown = emitted + direct + indirect;
