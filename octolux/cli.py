@@ -16,6 +16,7 @@ from .compare.command import compare
 from .output import check_writable, write_json
 from .output.options import FileOptions, layer_names
 from .scene.errors import OctoluxError, one_line
+from .simulate import simulate
 from .targets import Target, frame_range
 
 if TYPE_CHECKING:
@@ -169,6 +170,7 @@ def _make(plan: Plan, timeline: Timeline, stats: Path | None) -> None:
 
 
 app.command(cls=console.GroupedCommand)(compare)
+app.command()(simulate)
 
 
 @app.command()

@@ -152,8 +152,8 @@ def test_factor_by_level():
 
 
 def test_the_index_volume_follows_light():
-    """Injection marks 0, and a level that light has crossed wholly hides the coarser ones (4.2). From a corner that takes
-    3 (m - 1) steps for m cells a side, since a step leads to one of six neighbours."""
+    """Injection marks 0, and a level that light has crossed wholly hides the coarser ones (4.2). From a corner that
+    takes 3 (m - 1) steps for m cells a side, since a step leads to one of six neighbours."""
     simulation = Simulation(16, propagator="clpv")
     simulation.set_injectors([Element((0, 0, 0))])
     simulation.run(0)
@@ -201,9 +201,9 @@ def test_levels_down_to_2_as_in_the_thesis():
 @pytest.mark.parametrize("arguments,part", [
     ({"n": 12}, "power of two"), ({"n": 0}, "power of two"), ({"n": 256}, "at most 128"), ({"n": 8.0}, "n"),
     ({"n": 4, "coarsest": 8}, "coarsest"), ({"combine": "mean"}, "sum, average"), ({"threshold": -1}, "threshold"),
-    ({"propagator": "clvp"}, "perhaps 'clpv' is meant"), ({"factor": float("nan")}, "factor"),
+    ({"propagator": "clvp"}, "Perhaps 'clpv' is meant"), ({"factor": float("nan")}, "factor"),
     ({"n": 4, "factor": [1.0, 2.0]}, "3 levels"), ({"factor": -1.0}, "factor"), ({"factor": "p"}, "factor"),
-    ({"compare": ["unifrom"]}, "perhaps 'uniform' is meant"), ({"uniform_iterations": -2}, "-2"),
+    ({"compare": ["unifrom"]}, "Perhaps 'uniform' is meant"), ({"uniform_iterations": -2}, "-2"),
 ])  # fmt: skip
 def test_bad_settings(arguments, part):
     with pytest.raises(SimulationError, match=part):
@@ -220,7 +220,7 @@ def test_bad_settings(arguments, part):
     (lambda: Simulation(4).inject(Wall("x", 4)), "outside"),
     (lambda: Simulation(4).inject(FromArray(np.zeros((8, 8, 8, 4)))), "8 wide"),
     (lambda: Simulation(4).run(-1), "-1"), (lambda: Simulation(4).run(2.5), "2.5"),
-    (lambda: Simulation(4).view("som"), "perhaps 'sum'"), (lambda: Simulation(4).view("sum", 3), "0 to 2"),
+    (lambda: Simulation(4).view("som"), "Perhaps 'sum'"), (lambda: Simulation(4).view("sum", 3), "0 to 2"),
 ])  # fmt: skip
 def test_bad_actions(make, part):
     with pytest.raises(SimulationError, match=part):

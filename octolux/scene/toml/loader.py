@@ -45,7 +45,7 @@ def load_toml(path: str | Path) -> Scene:
     """
     path = Path(path)
     with _opened(path):
-        top = Table(path, "", _parsed(path))
+        top = Table(path, "", parsed(path))
         top.allow(TOP_KEYS)
         own = Scene(
             lights=[load_light(t, n) for n, t in enumerate(top.tables("light"), 1)],
@@ -84,7 +84,8 @@ def _opened(path: Path) -> Iterator[None]:
         _read_files.reset(tokens[1])
 
 
-def _parsed(path: Path) -> dict[str, Any]:
+def parsed(path: Path) -> dict[str, Any]:
+    """What a TOML file holds. Raises SceneError: cannot be read, is not TOML."""
     try:
         return tomllib.loads(read_file(path).decode("utf-8-sig"))  # some editors on Windows begin with a mark
     except OSError as error:

@@ -19,7 +19,9 @@ from .errors import SimulationError
 
 AXES = ("x", "y", "z")
 
-Triple = tuple[float, float, float]
+Direction = tuple[float, float, float] | str | None
+"""Of a cosine lobe, any length; "all" or None is the same in all directions."""
+
 Cell = tuple[int, int, int]
 
 ISOTROPIC = np.array([2.0 * sqrt(pi), 0.0, 0.0, 0.0])
@@ -35,8 +37,6 @@ class Scales(NamedTuple):
 
 class Injector(Protocol):
     """What `Simulation` takes as injector or occluder."""
-
-    multiplier: float
 
     def fill(self, n: int, scales: Scales) -> np.ndarray:
         """Coefficients [z][y][x][4] on n^3 places. Raises SimulationError when it does not lie within."""
@@ -57,9 +57,9 @@ def blocking(occluder: Injector, n: int) -> np.ndarray:
     return occluder.fill(n + 1, ROLES["blocking"])
 
 
-def coefficients(direction: Triple | None, multiplier: float, scales: Scales) -> np.ndarray:
+def coefficients(direction: Direction, multiplier: float, scales: Scales) -> np.ndarray:
     """The four coefficients of a cosine lobe along `direction`, or of the same in all directions."""
-    if direction is None:
+    if direction is None or isinstance(direction, str):
         return multiplier * scales.isotropic * ISOTROPIC
     vector = np.asarray(direction, dtype=np.float64)
     return multiplier * scales.lobe * harmonics.cosine_lobe(vector / np.linalg.norm(vector))
@@ -69,24 +69,24 @@ def coefficients(direction: Triple | None, multiplier: float, scales: Scales) ->
 class Area:
     """A box of cells, both ends included.
 
-    direction: of the cosine lobe, any length; None is the same in all directions.  multiplier: 0 or more.
+    direction: see `Direction`.  multiplier: 0 or more; `ROLES` says what of.
     """
 
     low: Cell
     high: Cell
-    direction: Triple | None = None
+    direction: Direction = None
     multiplier: float = 1.0
 
     def __post_init__(self) -> None:
         for name in ("low", "high"):
             object.__setattr__(self, name, _cell(name, getattr(self, name)))
         if any(a > b for a, b in zip(self.low, self.high, strict=True)):
-            raise SimulationError(f"low = {self.low} lies beyond high = {self.high}. Exchange them.")
+            raise SimulationError(f"low = {self.low} lies beyond high = {self.high}", "exchange them")
         _check(self.direction, self.multiplier)
 
     def fill(self, n: int, scales: Scales) -> np.ndarray:
         if max(self.high) >= n:
-            raise SimulationError(f"cell {self.high} is outside the volume. Give 0 to {n - 1} along each axis.")
+            raise SimulationError(f"cell {self.high} is outside the volume", f"give 0 to {n - 1} along each axis")
         (x0, y0, z0), (x1, y1, z1) = self.low, self.high
         filled = np.zeros((n, n, n, 4))
         filled[z0 : z1 + 1, y0 : y1 + 1, x0 : x1 + 1] = coefficients(self.direction, self.multiplier, scales)
@@ -98,7 +98,7 @@ class Element:
     """A single element; fields as in `Area`."""
 
     cell: Cell
-    direction: Triple | None = None
+    direction: Direction = None
     multiplier: float = 1.0
 
     def __post_init__(self) -> None:
@@ -113,36 +113,32 @@ class Element:
 class Wall:
     """All cells whose coordinate along `axis` ("x", "y" or "z") is `index`; negative ones count from the far end.
 
-    direction: by default along the axis, away from the nearer end of the volume; "all" is the same in all directions.
+    direction: by default (None) along the axis, away from the nearer end of the volume.
     """
 
     axis: str
     index: int = 0
-    direction: Triple | str | None = None
+    direction: Direction = None
     multiplier: float = 1.0
 
     def __post_init__(self) -> None:
         if self.axis not in AXES:
-            raise SimulationError(f"a wall's axis is '{self.axis}'. Give one of {', '.join(AXES)}.")
+            raise SimulationError(f"a wall's axis is '{self.axis}'", f"give one of {', '.join(AXES)}")
         if isinstance(self.index, bool) or not isinstance(self.index, int):
-            raise SimulationError(f"a wall's index is {self.index!r}. Give a whole number.")
-        if isinstance(self.direction, str) and self.direction != "all":
-            raise SimulationError(f"a direction is '{self.direction}'. Give three numbers, or 'all'.")
-        _check(None if isinstance(self.direction, str) else self.direction, self.multiplier)
+            raise SimulationError(f"a wall's index is {self.index!r}", "give a whole number")
+        _check(self.direction, self.multiplier)
 
     def fill(self, n: int, scales: Scales) -> np.ndarray:
         if not -n <= self.index < n:
-            raise SimulationError(f"the wall at {self.axis} = {self.index} is outside. Give {-n} to {n - 1}.")
+            raise SimulationError(f"the wall at {self.axis} = {self.index} is outside", f"give {-n} to {n - 1}")
         at, axis = self.index % n, AXES.index(self.axis)
         low, high = [0] * 3, [n - 1] * 3
         low[axis] = high[axis] = at
-        direction: Triple | None
-        if self.direction is None:
+        direction = self.direction
+        if direction is None:
             inwards = [0.0] * 3
             inwards[axis] = 1.0 if 2 * at < n else -1.0
             direction = (inwards[0], inwards[1], inwards[2])
-        else:
-            direction = None if isinstance(self.direction, str) else self.direction
         return Area((low[0], low[1], low[2]), (high[0], high[1], high[2]), direction, self.multiplier).fill(
             n, scales
         )
@@ -159,16 +155,16 @@ class FromArray:
     def __post_init__(self) -> None:
         values = np.array(self.coefficients, dtype=np.float64)
         if values.ndim != 4 or values.shape[3] != 4 or len(set(values.shape[:3])) != 1:
-            raise SimulationError(f"{self.name}: has the shape {values.shape}. Give [z][y][x][4], a cube of cells.")
+            raise SimulationError(f"{self.name}: has the shape {values.shape}", "give [z][y][x][4], a cube of cells")
         if not np.isfinite(values).all():
-            raise SimulationError(f"{self.name}: holds numbers that are not finite. Replace NaN and infinity.")
+            raise SimulationError(f"{self.name}: holds numbers that are not finite", "replace NaN and infinity")
         values.setflags(write=False)
         object.__setattr__(self, "coefficients", values)
         _check(None, self.multiplier)
 
     def fill(self, n: int, scales: Scales) -> np.ndarray:
         if self.coefficients.shape[0] != n:
-            raise SimulationError(f"{self.name}: is {self.coefficients.shape[0]} wide. Give {n} along each axis.")
+            raise SimulationError(f"{self.name}: is {self.coefficients.shape[0]} wide", f"give {n} along each axis")
         return self.multiplier * self.coefficients
 
 
@@ -183,15 +179,18 @@ def from_file(path: str | Path, n: int, role: str = "light", multiplier: float =
 def _cell(name: str, cell: object) -> Cell:
     numbers = np.asarray(cell)
     if numbers.shape != (3,) or numbers.dtype.kind not in "iu" or (numbers < 0).any():
-        raise SimulationError(f"{name} is {cell!r}. Give three whole numbers x, y, z, none negative.")
+        raise SimulationError(f"{name} is {cell!r}", "give three whole numbers x, y, z, none negative")
     x, y, z = (int(number) for number in numbers)
     return x, y, z
 
 
 def _check(direction: object, multiplier: float) -> None:
-    if direction is not None:
+    if isinstance(direction, str):
+        if direction != "all":
+            raise SimulationError(f"a direction is '{direction}'", "give three numbers, or 'all'")
+    elif direction is not None:
         vector = np.asarray(direction)
         if vector.shape != (3,) or vector.dtype.kind not in "iuf" or not np.isfinite(vector).all() or not vector.any():
-            raise SimulationError(f"a direction is {direction!r}. Give three finite numbers, not all 0.")
+            raise SimulationError(f"a direction is {direction!r}", "give three finite numbers, not all 0")
     if isinstance(multiplier, bool) or not isinstance(multiplier, int | float) or not 0.0 <= multiplier < np.inf:
-        raise SimulationError(f"a multiplier is {multiplier!r}. Give a finite number of at least 0.")
+        raise SimulationError(f"a multiplier is {multiplier!r}", "give a finite number of at least 0")

@@ -11,7 +11,7 @@ import numpy as np
 
 from octolux.simulator.lpv import octree, propagation
 
-from .state import Levels, State
+from .state import State, as_averages
 
 
 def cell_errors(measured: np.ndarray, expected: np.ndarray) -> np.ndarray:
@@ -22,14 +22,14 @@ def cell_errors(measured: np.ndarray, expected: np.ndarray) -> np.ndarray:
 def octree_errors(levels: Sequence[np.ndarray], expected: Sequence[np.ndarray]) -> dict[str, float]:
     """e_abs, e_rel and the largest of both over all cells of levels 1 and up (6.2); 0 where there is no such level.
 
-    The mean over them is 7 / (8^l - 8) times the sum when the coarsest level is a single cell. The relative error is
-    0 where O_i is: there is nothing to relate it to.
+    The mean is 7 / (8^l - 8) times the sum, as 6.2 prints it, when the coarsest level has 2^3 cells as the thesis's;
+    with a single cell there it is 7 / (8^(l-1) - 1). The relative error is 0 where O_i is: there is nothing to relate
+    it to.
     """
-    absolute = [cell_errors(o, e).ravel() for o, e in zip(levels[1:], expected[1:], strict=True)]
-    sizes = [np.abs(o).max(axis=-1).ravel() for o in levels[1:]]
-    if not absolute:
+    if len(levels) < 2:
         return {"e_abs": 0.0, "e_rel": 0.0, "max_abs": 0.0, "max_rel": 0.0}
-    errors, size = np.concatenate(absolute), np.concatenate(sizes)
+    errors = np.concatenate([cell_errors(o, e).ravel() for o, e in zip(levels[1:], expected[1:], strict=True)])
+    size = np.concatenate([np.abs(o).max(axis=-1).ravel() for o in levels[1:]])
     relative = np.divide(errors, size, out=np.zeros_like(errors), where=size > 0.0)
     return {
         "e_abs": float(errors.mean()), "e_rel": float(relative.mean()),
@@ -37,19 +37,20 @@ def octree_errors(levels: Sequence[np.ndarray], expected: Sequence[np.ndarray]) 
     }  # fmt: skip
 
 
-def against_downsampling(levels: Levels, combine: str) -> dict[str, float]:
-    """The paper's metric (6.2): each level against the downsampled next finer one of the same octree."""
-    expected = [levels[0], *(octree.downsample(level, combine) for level in levels[:-1])]
-    return octree_errors(levels, expected)
+def against_downsampling(levels: Sequence[np.ndarray], combine: str) -> dict[str, float]:
+    """The paper's metric (6.2): each level against the downsampled next finer one of the same octree.
+
+    Sums are taken as the averages they stand for, so that a number means the same on every level.
+    """
+    averages = as_averages(levels, combine)
+    return octree_errors(averages, [averages[0], *(octree.downsample(a, "average") for a in averages[:-1])])
 
 
-def against_uniform(levels: Levels, uniform: np.ndarray, combine: str) -> dict[str, float]:
+def against_uniform(levels: Sequence[np.ndarray], uniform: np.ndarray, combine: str) -> dict[str, float]:
     """The corrected metric (7, Error calculations): each level against the uniform volume [z][y][x][4], which was
     propagated first, downsampled. A level whose children are still dark no longer counts as wrong."""
-    expected = [uniform]
-    for _ in levels[1:]:
-        expected.append(octree.downsample(expected[-1], combine))
-    return octree_errors(levels, expected)
+    expected = octree.build_levels(uniform, "average", np.shape(levels[-1])[0])
+    return octree_errors(as_averages(levels, combine), expected)
 
 
 def volume_errors(measured: np.ndarray, expected: np.ndarray) -> dict[str, float]:

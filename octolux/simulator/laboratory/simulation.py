@@ -28,6 +28,7 @@ class Simulation:
     n: cells along each side, a power of two up to 128.  coarsest: of the last level; 1, or the thesis's 2.
     combine: how parents are made, "average" (Olovsson 2012, eq. 11) or "sum".  threshold: see `State`.
     propagator: a name in `PROPAGATORS`, or one of your own.  factor: propagation factor, or one for each level.
+    injectors, occluders: as `set_injectors` and `set_occluders` take them.
     compare: errors that are measured besides the paper's: "uniform" (section 7) and "analytic".
     uniform_iterations: of the uniform volume; 2 n by default (Kaplanyan & Dachsbacher 2010, 3.3).
 
@@ -36,13 +37,15 @@ class Simulation:
 
     def __init__(
         self, n: int = 32, *, coarsest: int = 1, combine: str = "average", threshold: float = 0.0,
-        propagator: str | Propagator = "best", factor: float | Sequence[float] = 1.0, compare: Iterable[str] = (),
+        propagator: str | Propagator = "best", factor: float | Sequence[float] = 1.0,
+        injectors: Iterable[Injector] = (), occluders: Iterable[Injector] = (), compare: Iterable[str] = (),
         uniform_iterations: int | None = None, history_bytes: int = HISTORY_BYTES,
     ):  # fmt: skip
         if isinstance(n, int) and n > LARGEST:
-            raise SimulationError(f"n is {n}. Give at most {LARGEST}.")
+            raise SimulationError(f"n is {n}", f"give at most {LARGEST}")
         present = state.first(n, coarsest, combine, threshold, _propagator(propagator))
-        present = replace(present, factors=_factors(factor, present.levels))
+        present = replace(present, factors=_factors(factor, present.levels), injectors=tuple(injectors))
+        present = state.with_occluders(present, tuple(occluders))
         self._history = History(present, history_bytes)
         self._references = references.References()
         self.compare = _known(compare)
@@ -141,11 +144,11 @@ class Simulation:
         merged by the index volume and read with level 0's cell size."""
         octrees = self.state.octrees()
         if name not in octrees:
-            raise SimulationError(f"there is no octree '{name}': {nearest(name, octrees)}.")
+            raise SimulationError(f"there is no octree '{name}'", nearest(name, octrees))
         if level is None:
             return octree.merge(octrees[name], self.state.index, self.state.combine)
         if isinstance(level, bool) or not isinstance(level, int) or not 0 <= level < self.state.levels:
-            raise SimulationError(f"there is no level {level!r}. Give 0 to {self.state.levels - 1}.")
+            raise SimulationError(f"there is no level {level!r}", f"give 0 to {self.state.levels - 1}")
         return octrees[name][level]
 
     def index(self) -> np.ndarray:
@@ -173,7 +176,7 @@ class Simulation:
 def checked_count(iterations: int) -> int:
     """`iterations` as it is. Raises SimulationError unless it is a whole number from 0 to 10,000."""
     if isinstance(iterations, bool) or not isinstance(iterations, int) or not 0 <= iterations <= 10_000:
-        raise SimulationError(f"the number of iterations is {iterations!r}. Give a whole number from 0 to 10000.")
+        raise SimulationError(f"the number of iterations is {iterations!r}", "give a whole number from 0 to 10000")
     return iterations
 
 
@@ -181,21 +184,21 @@ def _propagator(propagator: str | Propagator) -> Propagator:
     if isinstance(propagator, Propagator):
         return propagator
     if propagator not in PROPAGATORS:
-        raise SimulationError(f"there is no propagator '{propagator}': {nearest(str(propagator), PROPAGATORS)}.")
+        raise SimulationError(f"there is no propagator '{propagator}'", nearest(str(propagator), PROPAGATORS))
     return PROPAGATORS[propagator]
 
 
 def _factors(factor: float | Sequence[float], levels: int) -> tuple[float, ...]:
     values = np.asarray(factor)
     if values.dtype.kind not in "iuf" or not np.isfinite(values).all() or (values < 0.0).any():
-        raise SimulationError(f"the propagation factor is {factor!r}. Give a number of at least 0, or one a level.")
+        raise SimulationError(f"the propagation factor is {factor!r}", "give a number of at least 0, or one a level")
     if values.shape not in ((), (levels,)):
-        raise SimulationError(f"there are {values.size} factors for {levels} levels. Give {levels}, or one.")
+        raise SimulationError(f"there are {values.size} factors for {levels} levels", f"give {levels}, or one")
     return tuple(np.broadcast_to(values, (levels,)).astype(np.float64).tolist())
 
 
 def _known(compare: Iterable[str]) -> frozenset[str]:
     chosen = frozenset([compare] if isinstance(compare, str) else compare)
     for name in sorted(map(str, chosen - references.NAMES)):
-        raise SimulationError(f"nothing to compare with is called '{name}': {nearest(name, references.NAMES)}.")
+        raise SimulationError(f"nothing to compare with is called '{name}'", nearest(name, sorted(references.NAMES)))
     return chosen

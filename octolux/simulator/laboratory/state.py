@@ -5,7 +5,7 @@ States are never changed, so keeping old ones is what undo needs; they share the
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -82,9 +82,9 @@ def first(n: int, coarsest: int, combine: str, threshold: float, propagator: Pro
     try:
         sizes = octree.level_sizes(n, coarsest)
     except (TypeError, ValueError, AttributeError) as error:
-        raise SimulationError(f"{error}. Give a power of two, such as 32.") from error
+        raise SimulationError(f"{error}", "give a power of two, such as 32") from error
     if combine not in octree.COMBINATIONS:
-        raise SimulationError(f"combine is '{combine}'. Give one of {', '.join(octree.COMBINATIONS)}.")
+        raise SimulationError(f"combine is '{combine}'", f"give one of {', '.join(octree.COMBINATIONS)}")
     dark = _frozen(np.zeros((size, size, size, 4)) for size in sizes)
     corners = _frozen(np.zeros((size + 1,) * 3 + (4,)) for size in sizes)
     index = _frozen(octree.index_levels(n, coarsest))
@@ -96,7 +96,7 @@ def first(n: int, coarsest: int, combine: str, threshold: float, propagator: Pro
 
 def checked_share(threshold: float) -> float:
     if not isinstance(threshold, int | float) or isinstance(threshold, bool) or not 0.0 <= threshold < 1.0:
-        raise SimulationError(f"threshold is {threshold!r}. Give a share of the injected light, from 0 to below 1.")
+        raise SimulationError(f"threshold is {threshold!r}", "give a share of the injected light, from 0 to below 1")
     return float(threshold)
 
 
@@ -163,12 +163,15 @@ def _with_current(state: State, current: Levels) -> State:
 
 
 def _marked(state: State, contributions: Levels) -> Levels:
-    """The index volume after `contributions`. What is "non-zero" is relative to the largest band 0 of S_0; sums hold 8
-    times as much on each coarser level, and are compared as averages."""
+    """The index volume after `contributions`; "non-zero" is relative to the largest band 0 of S_0."""
     limit = state.threshold * float(np.abs(state.injected[..., 0]).max())
-    shares = [8.0**-i if state.combine == "sum" else 1.0 for i in range(len(contributions))]
-    alike = [added * share for added, share in zip(contributions, shares, strict=True)]
-    return _frozen(octree.mark(state.index, alike, limit))
+    return _frozen(octree.mark(state.index, as_averages(contributions, state.combine), limit))
+
+
+def as_averages(levels: Sequence[np.ndarray], combine: str) -> list[np.ndarray]:
+    """`levels` as they would be had parents been averaged: sums hold 8 times as much on each coarser level, which is
+    divided out (exactly), so that numbers of all levels compare."""
+    return [level * (8.0**-i if combine == "sum" else 1.0) for i, level in enumerate(levels)]
 
 
 def _fixed(array: Any) -> np.ndarray:
