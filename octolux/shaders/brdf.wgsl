@@ -3,7 +3,7 @@
 
 fn diffuse_albedo(s: Surface) -> vec3f { return s.base_color * (1.0 - s.metallic); }
 
-// f(l, v), 1/sr; all vectors unit length.
+// f(l, v), 1/sr; all vectors unit length. A shading normal may lean away from the eye, which then counts as on the horizon.
 fn brdf(s: Surface, l: vec3f, v: vec3f) -> vec3f {
     let roughness = max(s.roughness, {{ min_roughness }});
     let alpha = roughness * roughness;

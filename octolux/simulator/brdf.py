@@ -83,14 +83,15 @@ def reflectances(material: Surface) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 def diffuse_and_specular(material: Surface, normal, to_light, to_eye) -> tuple[np.ndarray, np.ndarray]:
     """The two parts of the BRDF, each (..., 3), 1/sr, without the cosine at the light.
 
-    normal, to_light, to_eye: unit vectors (..., 3), broadcast. Zero where light or eye is not above the surface.
+    normal, to_light, to_eye: unit vectors (..., 3), broadcast. Zero where the light is not above the surface. An eye
+    that is not above it, from which a shading normal leans away, counts as on its horizon (docs/conventions.md).
     """
     normal, to_light, to_eye = (np.asarray(v, dtype=np.float64) for v in (normal, to_light, to_eye))
     half = to_light + to_eye
     length = np.linalg.norm(half, axis=-1, keepdims=True)
     half = half / np.where(length > 0.0, length, 1.0)
     n_dot_l, n_dot_v = np.sum(normal * to_light, axis=-1), np.sum(normal * to_eye, axis=-1)
-    above = ((n_dot_l > 0.0) & (n_dot_v > 0.0))[..., None]
+    above = (n_dot_l > 0.0)[..., None]
     albedo, f0, f90 = reflectances(material)
     fresnel = schlick_fresnel(f0, f90, np.sum(to_eye * half, axis=-1)[..., None])
     alpha = alpha_of(material.roughness)

@@ -97,10 +97,30 @@ def test_grazing_reflectance_of_metal_and_dielectric_is_one():
     np.testing.assert_allclose(brdf.schlick_fresnel(f0, f90, 1.0), 0.04)
 
 
-def test_nothing_from_or_to_below():
+def test_nothing_from_below():
     material = brdf.surface(np.ones(3), 0.5, 0.5)
     np.testing.assert_array_equal(brdf.evaluate(material, UP, view(100.0), UP), 0.0)
-    np.testing.assert_array_equal(brdf.evaluate(material, UP, UP, view(100.0)), 0.0)
+
+
+def test_lambert_from_wherever_it_is_seen():
+    """A shading normal may lean away from the eye; the light on it is reflected all the same."""
+    base = np.array([0.9, 0.3, 0.1])
+    directions, _ = hemisphere(8)
+    found = brdf.evaluate(brdf.surface(base, specular=0.0), UP, directions, -directions[::-1])
+    np.testing.assert_array_equal(found, np.broadcast_to(base / pi, found.shape))
+
+
+@pytest.mark.parametrize("roughness", [0.5, 0.7, 1.0])
+def test_an_eye_below_the_horizon_gains_nothing(roughness):
+    """Nor is there a step at the horizon: 1e-9 to each side of it V changes by 1e-9 / (n.l alpha) of itself, n.l being
+    above 1e-4 at the hemisphere's nodes. Further down a white metal reflects less, but at roughness 1, where D and V
+    are the same for all, 1 / pi and 1 / (2 n.l): all light, to the rounding of 10^4 terms."""
+    metal = brdf.surface(np.ones(3), 1.0, roughness)
+    across, below = (np.array([[np.cos(a), 0.0, np.sin(a)] for a in angles]) for angles in ((1e-9, -1e-9), (-0.2, -1)))
+    over, under = (directional_albedo(metal, eye)[1].max() for eye in across)
+    assert over == pytest.approx(under, rel=1e-9 / (1e-4 * roughness**2) * 2)
+    shallow, steep = (directional_albedo(metal, eye)[1].max() for eye in below)
+    assert 0.0 < steep <= shallow * (1 + 1e-10) and shallow <= 1.0 + 1e-10
 
 
 def test_smooth_surfaces_stay_finite():
