@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import importlib.util
-import os
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,7 +17,8 @@ from octolux.scene.scene import Scene
 from octolux.simulator.camera import pixel_rays
 
 from .lab import device, interleaved, milliseconds, random_directions
-from .registry import NeedsData, aim, figure
+from .mitsuba_variant import mitsuba
+from .registry import aim, figure
 from .scenes_on_disk import load
 
 SIZE, PAIRS, BUILDS = (640, 360), 7, 5
@@ -171,18 +168,10 @@ def bvh_and_mitsuba() -> dict[str, float]:
 
 
 def _mitsuba_works() -> dict[str, Callable[[], Any]]:
-    """Raises NeedsData where Mitsuba or an LLVM that it runs with is missing: with others it ends the process."""
-    if "DRJIT_LIBLLVM_PATH" not in os.environ:
-        packaged = sorted((Path(sys.prefix) / "lib").glob("libLLVM.so.*"))
-        if not packaged:
-            raise NeedsData("Mitsuba's LLVM: pip install 'octolux[reference]'")
-        os.environ["DRJIT_LIBLLVM_PATH"] = str(packaged[-1])
-    if importlib.util.find_spec("mitsuba") is None:
-        raise NeedsData("Mitsuba: pip install 'octolux[reference]'")
+    """Raises NeedsData where Mitsuba is missing."""
+    mi = mitsuba()
     import drjit as dr
-    import mitsuba as mi
 
-    mi.set_variant("llvm_ad_rgb")
     corners = _world_triangles().astype(np.float32).reshape(-1, 3)
     mesh = mi.Mesh("scene", len(corners), len(corners) // 3)
     values = mi.traverse(mesh)
