@@ -98,6 +98,7 @@ class Renderer:
                 settings = chosen.settings_class.make(preset, **(settings or {}))
             self.technique = chosen(self.device, settings)
         self._passes_of = -1
+        self._rsm: RSMPass | None = None  # made when a technique needs it
         self._emitters_of: tuple = ()
         self._emitting: list[EmitterLight] = []
 
@@ -164,6 +165,8 @@ class Renderer:
         if not technique.replaces_direct:
             self._shadow_maps.run(frame, ids="rsm" in technique.needs)
         if "rsm" in technique.needs:
+            if self._rsm is None:
+                self._rsm = RSMPass(self.device, self.gpu_scene, self.frame_settings)
             self._rsm.run(frame, self._shadow_maps)
         technique.update(frame)
 
@@ -178,7 +181,7 @@ class Renderer:
             visibility = VisibilityPass(self.device, gpu_scene)
             self._gbuffer = GBufferPass(self.device, gpu_scene, visibility)
             self._shadow_maps = ShadowMapPass(self.device, visibility)
-            self._rsm = RSMPass(self.device, gpu_scene, settings)
+            self._rsm = None
             self._passes_of = gpu_scene.version
         soft: list[Light] = []
         if not self.technique.replaces_direct:
@@ -186,7 +189,8 @@ class Renderer:
         resolutions = (settings.shadow_resolution, settings.coarse_resolution)
         lights = light_set([*scene.lights, *soft], gpu_scene.bounds, *resolutions)
         views = [self._view(self._camera(wanted, scene)), *lights.views]
-        draws = draw_list(gpu_scene, [views[0].widened(), *lights.views], glow_free=lights.emitter_views)
+        drawn = [] if self.technique.replaces_direct else lights.views  # rays need no shadow maps
+        draws = draw_list(gpu_scene, [views[0].widened(), *drawn], glow_free=lights.emitter_views)
         buffers = self._buffers.upload(lights, views, draws)
         return Frame(
             self.device, profiler, scene, gpu_scene, settings, self.targets, lights, views, draws, buffers,

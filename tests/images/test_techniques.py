@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 import octolux
+from octolux.frame.visibility import draw_list
 from octolux.techniques import TECHNIQUES
+
+_LIGHT_STAGES = {"shadow maps", "RSM rendering", "RSM surfaces"}
 
 
 @pytest.mark.parametrize("name", TECHNIQUES)
@@ -47,3 +50,24 @@ def test_debug_views_are_the_volume(device):
     # The sum begins with what was injected, and light is never negative.
     assert (views["accumulated"][..., 0] >= views["injected"][..., 0] * (1 - 1e-6)).all()
     assert np.isfinite(views["accumulated"]).all() and views["injected"][..., 0].max() > 0
+
+
+@pytest.mark.parametrize(("name", "expected"), [
+    ("path-tracer", set()), ("none", {"shadow maps"}), ("uniform-lpv", {"RSM rendering", "RSM surfaces"}),
+])  # fmt: skip
+def test_only_the_passes_that_a_technique_asks_for(device, name, expected, monkeypatch):
+    """Shadow maps where direct light is rasterised, RSMs where VPLs are injected; what no map shows is not culled."""
+    culled = []
+
+    def counted(scene, views, **rest):
+        culled.append(len(views))
+        return draw_list(scene, views, **rest)
+
+    monkeypatch.setattr("octolux.renderer.draw_list", counted)
+    scene = octolux.load("cornell-box")
+    few = {"samples": 1} if name == "path-tracer" else {}
+    renderer = octolux.Renderer(scene, name, settings=few, size=(16, 12), device=device, profile=True, exposure=0.0)
+    picture = renderer.render()
+    assert {stage["name"] for stage in renderer.statistics()["stages"]} & _LIGHT_STAGES == expected
+    assert picture.radiance.any()
+    assert (culled[0] > 1) == bool(expected)
