@@ -99,7 +99,7 @@ class Frame:
     """Everything one picture needs. `views` are the camera's and then one for each shadow map.
 
     shadow_maps, coarse_maps: depth arrays.  vpls: buffer of VPL, set when the technique needs RSMs: each light's
-    [layer][row][column], of which vpl_ranges says first and number.
+    [layer][row][column], of which vpl_ranges says first and number, and vpl_widths the length of a row.
     irradiance: rgba32float texture a technique writes: irradiance before albedo, and ambient visibility in alpha;
     specular: radiance already weighted by the BRDF. None is black.
     radiance: rgba32float texture of a technique that makes the whole picture: radiance, and coverage in alpha;
@@ -126,6 +126,7 @@ class Frame:
     coarse_maps: Any = None
     vpls: Any = None
     vpl_ranges: list[tuple[int, int]] = field(default_factory=list)
+    vpl_widths: list[int] = field(default_factory=list)
     irradiance: Any = None
     specular: Any = None
     radiance: Any = None

@@ -43,11 +43,12 @@ class RSMPass:
         )  # fmt: skip
 
     def run(self, frame: Frame, shadow_maps: ShadowMapPass) -> None:
-        """Fill `frame.vpls`, and say in `frame.vpl_ranges` where those of each light lie."""
+        """Fill `frame.vpls`, and say in `frame.vpl_ranges` and `frame.vpl_widths` where those of each light lie."""
         layers = (frame.lights.main_views, len(frame.lights.views) - frame.lights.main_views)
         counts = [n * edge**2 for n, edge in zip(layers, self._edges, strict=True)]
         self._make_room(frame, sum(counts))
-        frame.vpls, frame.vpl_ranges = self._buffer, self._ranges(frame)
+        frame.vpls = self._buffer
+        frame.vpl_ranges, frame.vpl_widths = self._ranges(frame)
         if not any(layers):
             return
         places = ((1, 0), (1 + layers[0], counts[0]))
@@ -76,11 +77,11 @@ class RSMPass:
         if self._buffer is None or self._buffer.size != size:
             self._buffer = self.device.buffer("VPLs", size=size)
 
-    def _ranges(self, frame: Frame) -> list[tuple[int, int]]:
-        """First and number of the VPLs of each light: those of its views lie behind one another."""
+    def _ranges(self, frame: Frame) -> tuple[list[tuple[int, int]], list[int]]:
+        """First and number of the VPLs of each light, those of its views behind one another; and how many a row has."""
         lights = frame.lights
-        sizes = [self._edges[number >= lights.main_views] ** 2 for number in range(len(lights.views))]
-        counts = [0] * len(lights.lights)
-        for owner, size in zip(lights.light_of_view, sizes, strict=True):
-            counts[owner] += size
-        return [(sum(counts[:number]), count) for number, count in enumerate(counts)]
+        counts, widths = [0] * len(lights.lights), [1] * len(lights.lights)
+        for number, owner in enumerate(lights.light_of_view):
+            widths[owner] = self._edges[number >= lights.main_views]
+            counts[owner] += widths[owner] ** 2
+        return [(sum(counts[:number]), count) for number, count in enumerate(counts)], widths
