@@ -26,7 +26,10 @@ _Out = Annotated[
 
 
 def simulate(script: _Script, out: _Out = Path("simulation")) -> None:
-    """Run SCRIPT in the offline laboratory of light propagation volumes (float64, no GPU)."""
+    """Run SCRIPT in the laboratory of light propagation volumes.
+
+    Float64 on the CPU, one colour channel; docs/simulate.md lists what a script may hold.
+    """
     from .compare.report import check_folder
     from .simulator.laboratory.results import final_files
     from .simulator.laboratory.script import Script
@@ -62,7 +65,7 @@ def _print(simulation: Simulation) -> None:
     table = Table(box=None)
     for name in shown:
         table.add_column(columns[name], justify="right", no_wrap=True)
-    stride = max(1, len(rows) // 16)
+    stride = 1 + len(rows) // 16
     for row in [*rows[:-1:stride], rows[-1]]:
         table.add_row(*(f"{row[name]:.3g}" if name in row else "" for name in shown))
     console.out.print(table)

@@ -188,6 +188,7 @@ BAD_ACTIONS = {
     'do = "picture"\nfile = "a.png"\nlevel = 9\n': "there is no level 9. give 0 to 5",
     'do = "picture"\nfile = "a.png"\nslice = 99\n': "there is no slice 99. give 0 to 31",
     'do = "picture"\nfile = "a.png"\nscale = "lin"\n': "perhaps 'linear' is meant",
+    'do = "picture"\nfile = "a.png"\nshow = ["som"]\n': "perhaps 'sum' is meant",
     'do = "save"\nfile = "a.png"\n': "end the name with .npz",
 }  # fmt: skip
 

@@ -6,13 +6,14 @@ from collections.abc import Callable
 from pathlib import PurePath
 from typing import Any, NamedTuple
 
-from octolux.scene.toml.fields import Table
+from octolux.scene.toml.fields import Table, nearest
 
 from . import results, slices
 from .errors import SimulationError
 from .pictures import slice_figure
 from .propagators import PROPAGATORS
 from .simulation import Simulation
+from .state import OCTREES
 from .tables import factor, whole
 
 MOST_TIMES = 10_000
@@ -103,9 +104,18 @@ def _picture(table: Table) -> Action:
     options = {
         "axis": table.choice("axis", list(slices.AXES), "z"), "index": whole(table, "slice", None, low=0),
         "level": level, "scale": table.choice("scale", slices.SCALES, "linear"),
-        "zoom": table.number("zoom", 1.0, above=0.0),
+        "zoom": table.number("zoom", 1.0, above=0.0), "names": _octrees(table),
     }  # fmt: skip
     return Action(lambda simulation: results.png(slice_figure(simulation, **options)), _file(table, ".png"))
+
+
+def _octrees(table: Table) -> list[str]:
+    """Which octrees a picture shows: those of `show`, or all."""
+    names = table.texts("show") or list(OCTREES)
+    for name in names:
+        if name not in OCTREES:
+            raise table.error("show", f"there is no octree '{name}'", nearest(name, OCTREES))
+    return names
 
 
 def _save(table: Table) -> Action:
@@ -134,7 +144,7 @@ ACTIONS: dict[str, tuple[tuple[str, ...], Callable[[Table], Action]]] = {
     "undo": (("times",), _back(Simulation.undo, "undo")),
     "redo": (("times",), _back(Simulation.redo, "redo")),
     "set": (("propagator", "factor"), _set),
-    "picture": (("file", "axis", "slice", "level", "scale", "zoom"), _picture),
+    "picture": (("file", "axis", "slice", "level", "scale", "zoom", "show"), _picture),
     "save": (("file",), _save),
 }
 """By name: the keys besides `do`, and how it is read."""

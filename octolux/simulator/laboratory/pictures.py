@@ -15,31 +15,29 @@ from matplotlib.figure import Figure
 
 from . import slices
 from .simulation import Simulation
+from .state import OCTREES
 
 LIGHT, NEGATIVE, BORDER, BLOCK = "#c2570c", "#2563ab", "#111111", "#8a8a8a"
 
-ERRORS: dict[str, tuple[tuple[str, str], ...]] = {
-    "mean absolute error, W/sr": (
-        ("e_abs", "against its own downsampling (6.2)"), ("corrected_e_abs", "against uniform, downsampled (7)"),
-        ("merged_abs", "merged against uniform"), ("analytic_abs", "merged against analytic"),
-    ),
-    "relative error": (
-        ("e_rel", "against its own downsampling (6.2)"), ("corrected_e_rel", "against uniform, downsampled (7)"),
-        ("merged_rel", "merged against uniform"), ("analytic_rel", "merged against analytic"),
-        ("analytic_uniform_rel", "level 0 against analytic"),
-    ),
-    "flux, W": (("step_flux", "of the step, level 0"), ("sum_flux", "of the sum, merged")),
-    "centre of mass, cells": (
-        ("step_centre_x", "step, x"), ("step_centre_y", "step, y"), ("step_centre_z", "step, z"),
-        ("sum_centre_x", "sum, x"), ("sum_centre_y", "sum, y"), ("sum_centre_z", "sum, z"),
-    ),
+_OWN, _UNIFORM = "against its own downsampling (6.2)", "against uniform, downsampled (7)"
+_MERGED = "merged against uniform"
+
+PANELS: dict[str, dict[str, str]] = {
+    "mean absolute error, W/sr": {"e_abs": _OWN, "corrected_e_abs": _UNIFORM, "merged_abs": _MERGED},
+    "mean relative error": {"e_rel": _OWN, "corrected_e_rel": _UNIFORM, "merged_rel": _MERGED},
+    "largest absolute error, W/sr": {"max_abs": _OWN, "corrected_max_abs": _UNIFORM},
+    "relative error against the analytic solution": {"analytic_rel": "merged", "analytic_uniform_rel": "level 0"},
+    "flux, W": {"step_flux": "of the step, level 0", "sum_flux": "of the sum, merged"},
+    "centre of mass, cells": {
+        f"{name}_centre_{axis}": f"{name}, {axis}" for name in ("step", "sum") for axis in slices.AXES
+    },
 }  # fmt: skip
-"""The panels of the error plot: title, and columns of `Simulation.state.measures` with what they are called."""
+"""The panels of the error plot: title, and columns of `State.measures` with what they are called."""
 
 
 def slice_figure(
     simulation: Simulation, axis: str = "z", index: int | None = None, level: int | None = None,
-    scale: str = "linear", zoom: float = 1.0, names: Sequence[str] = ("source", "target", "sum"),
+    scale: str = "linear", zoom: float = 1.0, names: Sequence[str] = OCTREES,
 ) -> Figure:  # fmt: skip
     """The octrees `names` side by side, each cell's intensity as its polar curve in the slice plane (OLPV, figure 9).
 
@@ -76,21 +74,23 @@ def slice_figure(
 
 def error_figure(rows: Sequence[dict[str, float]]) -> Figure:
     """What was measured after each accumulation, against its iteration (OLPV, figures 11 and 15)."""
-    figure = Figure(figsize=(12.0, 8.0), layout="constrained")
-    for position, (title, columns) in enumerate(ERRORS.items(), 1):
-        axes = figure.add_subplot(2, 2, position)
-        for number, (column, label) in enumerate(columns):
+    figure = Figure(figsize=(15.0, 8.0), layout="constrained")
+    for position, (title, columns) in enumerate(PANELS.items(), 1):
+        axes = figure.add_subplot(2, 3, position)
+        for number, (column, label) in enumerate(columns.items()):
             points = [(row["iteration"], row[column]) for row in rows if column in row]
             if points:
                 style = "-o" if number < 3 else "--s"
                 axes.plot(*zip(*points, strict=True), style, markersize=3, linewidth=1.2, label=label)
         axes.set_title(title, fontsize=10)
         axes.set_xlabel("iteration")
-        if "centre" not in title:
+        if not title.startswith("centre"):
             axes.set_ylim(bottom=0.0)
         axes.grid(alpha=0.3)
         if axes.lines:
             axes.legend(fontsize=8)
+        else:
+            axes.text(0.5, 0.5, "not measured", ha="center", transform=axes.transAxes, color="0.5")
     return figure
 
 

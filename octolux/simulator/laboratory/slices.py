@@ -13,7 +13,7 @@ import numpy as np
 from octolux.simulator import sh as harmonics
 
 from .errors import SimulationError
-from .injectors import AXES
+from .injectors import AXES as AXES
 
 SCALES = ("linear", "log")
 DECADES = 4.0

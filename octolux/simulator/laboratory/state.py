@@ -20,6 +20,9 @@ from .propagators import Propagator
 
 Levels = tuple[np.ndarray, ...]
 
+OCTREES = ("source", "target", "sum")
+"""What there is to look at."""
+
 
 @dataclass(frozen=True, eq=False)
 class State:
@@ -73,8 +76,8 @@ class State:
         return [*self.source, *self.target, *self.sum, *self.index, *self.geometry, self.injected, *merged]
 
     def octrees(self) -> dict[str, Levels]:
-        """The three octrees that are looked at, by name."""
-        return {"source": self.source, "target": self.target, "sum": self.sum}
+        """The octrees of `OCTREES` by name."""
+        return dict(zip(OCTREES, (self.source, self.target, self.sum), strict=True))
 
 
 def first(n: int, coarsest: int, combine: str, threshold: float, propagator: Propagator) -> State:
