@@ -12,6 +12,7 @@ import numpy as np
 from ..output import check_writable
 from ..output.atomic import replacing
 from ..scene.cameras import Camera
+from ..scene.lights import AreaLight
 from ..scene.meshes import Instance, Mesh
 from ..scene.scene import Scene
 from .files import FileFolder
@@ -57,9 +58,10 @@ def mitsuba_description(
     writer = MaterialWriter(files, warnings, exact)
     used = {scene.meshes[i.mesh].material for i in scene.instances}
     clear = any(writer.is_transparent(scene.materials[n]) for n in used)
+    clear |= any(isinstance(source, AreaLight) for source in scene.lights)
     description: Description = {
         "type": "scene",
-        # Only the volumetric integrator lets light through what is cut out.
+        # Only the volumetric integrator lets light through what is cut out, and through area lights.
         "integrator": {"type": "volpath" if clear else "path", "max_depth": -1},
         "sensor": _sensor(camera, size, samples, _reach(scene, camera)),
     }

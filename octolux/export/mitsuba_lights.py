@@ -67,7 +67,7 @@ def _along_z(position: Any, direction: Any) -> np.ndarray:
 
 
 def _area(source: AreaLight, number: int, files: FileFolder) -> Description:
-    """Two black triangles that shine to the side from which their corners run counter-clockwise."""
+    """Two triangles that shine to the side from which their corners run counter-clockwise; all light passes them."""
     corners = np.asarray(source.corners, dtype=np.float64)
     normal = np.cross(corners[2] - corners[0], corners[3] - corners[1])
     normals = np.broadcast_to(normal / max(float(np.linalg.norm(normal)), 1e-300), (4, 3))
@@ -78,7 +78,7 @@ def _area(source: AreaLight, number: int, files: FileFolder) -> Description:
 
     return {
         "type": "ply", "filename": files.once(("area", number), f"light-{number}.ply", write),
-        "bsdf": {"type": "diffuse", "reflectance": rgb((0.0, 0.0, 0.0))},
+        "bsdf": {"type": "null"},
         "emitter": {"type": "area", "radiance": rgb(source.radiance)},
     }  # fmt: skip
 

@@ -11,7 +11,7 @@ TAGS = {
     **dict.fromkeys(("path", "volpath"), "integrator"),
     **dict.fromkeys(("perspective", "orthographic"), "sensor"),
     "hdrfilm": "film", "box": "rfilter", "independent": "sampler", "ply": "shape",
-    **dict.fromkeys(("diffuse", "principled", "octolux_gltf", "normalmap", "mask", "twosided"), "bsdf"),
+    **dict.fromkeys(("diffuse", "principled", "octolux_gltf", "normalmap", "mask", "twosided", "null"), "bsdf"),
     **dict.fromkeys(("directional", "point", "spot", "area", "constant", "envmap"), "emitter"),
     **dict.fromkeys(("bitmap", "mesh_attribute"), "texture"),
 }  # fmt: skip

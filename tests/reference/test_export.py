@@ -84,8 +84,8 @@ def test_what_is_written(tmp_path):
     assert {name for name, value in raw.items() if value == "false"} == {"scene_files/image-0.png"}
     # A surface that glows on both sides is two.
     assert sum(e.find("emitter") is not None for e in root.iter("shape")) == 3
-    # One that does not and has no transparency asks for the simpler integrator.
-    simple = replace(everything(), instances=[Instance(0)])
+    # Without transparency and area lights the simpler integrator will do.
+    simple = replace(everything(), instances=[Instance(0)], lights=everything().lights[:3])
     write_mitsuba(simple, tmp_path / "simple.xml", VIEW, SIZE)
     assert 'integrator type="path"' in (tmp_path / "simple.xml").read_text()
 

@@ -37,14 +37,14 @@ def scene(*lights: Light):
     return scene_of([FLOOR], [Material(base_color=ALBEDO, specular=0.0)], lights=list(lights))
 
 
-def floor_points(size: tuple[int, int]) -> np.ndarray:
+def floor_points(size: tuple[int, int], camera: Camera = VIEW) -> np.ndarray:
     """Where the rays of a picture's pixels meet the floor: (height, width, 3)."""
-    origins, directions = pixel_rays(VIEW, *size)
+    origins, directions = pixel_rays(camera, *size)
     return origins - directions * (origins[..., 1:2] / directions[..., 1:2])
 
 
-def closed_form(lights: list[Light], size: tuple[int, int] = SIZE) -> np.ndarray:
-    points = floor_points(size)
+def closed_form(lights: list[Light], size: tuple[int, int] = SIZE, camera: Camera = VIEW) -> np.ndarray:
+    points = floor_points(size, camera)
     up = np.broadcast_to([0.0, 1.0, 0.0], points.shape)
     return sum(lambert_radiance(light, points, up, ALBEDO) for light in lights)
 
@@ -93,6 +93,15 @@ def test_area_light():
 def test_area_light_is_one_sided():
     turned = replace(PANEL, corners=PANEL.corners[::-1])
     assert not Witness(scene(turned), VIEW, SIZE).batches(16, paths="direct").any()
+
+
+def test_an_area_light_hides_nothing():
+    """Neither the floor from a camera above it nor a lamp's light."""
+    above = replace(LAMP, position=(-0.2, 2.0, 0.5))
+    camera = Camera.look_at((-0.2, 2.5, 0.5), (-0.2, 0.0, 0.5), up=(0, 0, -1), vertical_fov=0.7)
+    fine = closed_form([PANEL, above], (SIZE[0] * 2, SIZE[1] * 2), camera)
+    expected = fine.reshape(SIZE[1], 2, SIZE[0], 2, 3).mean(axis=(1, 3))
+    assert_same_expectation(Witness(scene(PANEL, above), camera, SIZE).batches(512, paths="direct"), expected)
 
 
 @pytest.mark.parametrize("double_sided", [False, True])

@@ -47,8 +47,7 @@ LAMP = AreaLight(
     corners=((-0.4, 1.9, 1.7), (0.4, 1.9, 1.7), (0.4, 1.4, 1.8), (-0.4, 1.4, 1.8)), radiance=(80.0, 60.0, 40.0),
     name="lamp",
 )  # fmt: skip
-"""Before the open side of the box, above the camera's sight. In octolux an area light is no geometry, in Mitsuba a
-black panel: here that is the same, since what leaves the box is lost."""
+"""Before the open side of the box, above the camera's sight: Mitsuba would show it."""
 
 DOWNWARDS = Camera.look_at((0.0, 1.1, 3.2), (0.0, 0.45, -0.2), vertical_fov=radians(32.0), name="downwards")
 
