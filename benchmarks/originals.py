@@ -30,22 +30,7 @@ class Original:
 
 _KINDS = {"png": "PNG", "jpg": "JPEG", "webp": "WEBP", "tga": "TGA", "bmp": "BMP", "tif": "TIFF", "gif": "GIF",
           "dds": "DDS", "ppm": "PPM"}  # fmt: skip
-_OBJ = """mtllib model.mtl
-v 0 0 0
-v 1 0 0
-v 1 2 0
-v 0 2 3
-vt 0 0
-vt 1 0
-vt 1 1
-vn 0 0 1
-g near
-usemtl oak
-f 1/1/1 2/2/1 3/3/1
-g far
-usemtl pine
-f -4/-3/-1 -2/-1/-1 -1/-1/-1
-"""
+_TABLES = of_tests("toml_files")
 
 
 def obj(kind: str) -> Files:
@@ -53,7 +38,7 @@ def obj(kind: str) -> Files:
     name = f"wood.{kind}"
     text = (f"newmtl oak\nKd 0.5 0.4 0.3\nNs 40\nmap_Kd {name}\nmap_d {name}\nnewmtl pine\nKd 0.2 0.2 0.2\nKs 0.4\n"
             f"Ke 1 2 3\nd 0.5\nillum 3\nmap_Ke -o 1 2 3 {name}\nbump -bm 0.5 {name}\n")  # fmt: skip
-    return {"model.obj": _OBJ.encode(), "model.mtl": text.encode(), name: picture(_KINDS[kind])}
+    return {"model.obj": _TABLES.OBJ.encode(), "model.mtl": text.encode(), name: picture(_KINDS[kind])}
 
 
 _TOML = """name = "hall"
@@ -83,25 +68,7 @@ base_color = [0.5, 0.4, 0.3]
 emissive = [1, 2, 3]
 roughness = 0.5
 alpha_mode = "blend"
-[[light]]
-type = "spot"
-name = "spot"
-position = [0, 3, 0]
-direction = [0, -1, 0.1]
-intensity = 100
-inner_angle = 20
-outer_angle = 30
-[[light]]
-type = "directional"
-name = "sun"
-direction = [0, -2, 0]
-illuminance = [3, 2, 1]
-[[light]]
-type = "point"
-name = "lamp"
-position = [1, 2, 3]
-intensity = 60
-[[camera]]
+{lights}[[camera]]
 name = "eye"
 position = [0, 1, 8]
 look_at = [0, 0, 0]
@@ -131,7 +98,8 @@ values = [[0, 0, 0, 1], [0, 1, 0, 0]]
 def toml(sky: str) -> Files:
     """Every table of a TOML scene; two models, and surroundings in a format of their own."""
     image = {"hdr": hdr, "exr": exr, "png": lambda: picture("PNG")}[sky]()
-    return {"scene.toml": _TOML.format(sky=sky).encode(), f"sky.{sky}": image, "model.glb": figure().glb(),
+    text = _TOML.format(sky=sky, lights=_TABLES.SPOT + _TABLES.SUN + _TABLES.LAMP)
+    return {"scene.toml": text.encode(), f"sky.{sky}": image, "model.glb": figure().glb(),
             **obj("png")}  # fmt: skip
 
 

@@ -6,7 +6,7 @@ from math import radians
 
 import numpy as np
 import pytest
-from toml_files import model
+from toml_files import LAMP, SPOT, SUN, model
 
 from octolux.scene.load import load_scene
 
@@ -52,24 +52,8 @@ def test_an_override_leaves_alone_what_it_does_not_name(toml):
 
 
 def test_lights_of_all_types(toml):
-    scene = toml("""
-[[light]]
-type = "directional"
-name = "sun"
-direction = [0, -2, 0]
-illuminance = [3, 2, 1]
-[[light]]
-type = "point"
-position = [1, 2, 3]
-intensity = 60
-[[light]]
-type = "spot"
-name = "spot"
-position = [0, 3, 0]
-direction = [0, -1, 0]
-intensity = 100
-inner_angle = 20
-outer_angle = 30
+    unnamed = LAMP.replace('name = "lamp"\n', "").replace("[0, 0, 0]", "[1, 2, 3]")
+    scene = toml(SUN + unnamed + SPOT + """
 [[light]]
 type = "area"
 name = "panel"
@@ -78,7 +62,7 @@ radiance = [17, 12, 4]
 """)
     sun, lamp, spot, panel = scene.lights
     assert (sun.direction, sun.illuminance, sun.name) == ((0.0, -2.0, 0.0), (3.0, 2.0, 1.0), "sun")
-    assert (lamp.position, lamp.intensity, lamp.name) == ((1.0, 2.0, 3.0), (60.0, 60.0, 60.0), "light 2")
+    assert (lamp.position, lamp.intensity, lamp.name) == ((1.0, 2.0, 3.0), (1.0, 1.0, 1.0), "light 2")
     assert (spot.inner_angle, spot.outer_angle) == pytest.approx((radians(20), radians(30)))
     assert panel.corners == ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 1.0, 0.0))
     assert panel.radiance == (17.0, 12.0, 4.0)
@@ -111,12 +95,7 @@ orthographic_height = 4
 
 
 def test_keyframes_become_tracks_that_move_the_light(toml):
-    scene = toml("""
-[[light]]
-type = "point"
-name = "lamp"
-position = [0, 0, 0]
-intensity = 1
+    scene = toml(LAMP + """
 [[keyframes]]
 target = "light:lamp"
 property = "position"

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import pytest
-from toml_files import model
+from toml_files import LAMP, SUN, model
 
 from octolux.scene.errors import SceneError
 from octolux.scene.toml.loader import load_toml
 
 pytestmark = pytest.mark.covers("model .toml", broken=True)
 
-LAMP = '[[light]]\ntype = "point"\nname = "lamp"\nposition = [0, 0, 0]\nintensity = 1\n'
-SUN = '[[light]]\ntype = "directional"\nname = "sun"\ndirection = [0, -1, 0]\nilluminance = 1\n'
 SPOT = '[[light]]\ntype = "spot"\nposition = [0, 0, 0]\ndirection = [0, -1, 0]\nintensity = 1\n'
 AREA = '[[light]]\ntype = "area"\nradiance = 1\n'
 EYE = '[[camera]]\nname = "eye"\nposition = [0, 0, 5]\n'
@@ -90,7 +88,7 @@ MISTAKES = {
                            "[[light]] 2 'lamp': intensity", "holds -4", "at least 0"),
     "light without position": ('[[light]]\ntype = "point"\nintensity = 1\n', "[[light]] 1: position", "is missing",
                                "3 numbers"),
-    "sun of no direction": (SUN.replace("[0, -1, 0]", "[0, 0, 0]"), "[[light]] 1 'sun': direction", "no direction",
+    "sun of no direction": (SUN.replace("[0, -2, 0]", "[0, 0, 0]"), "[[light]] 1 'sun': direction", "no direction",
                             "above 0"),
     "spot inside out": (SPOT + "inner_angle = 50\nouter_angle = 40\n", "[[light]] 1: inner_angle", "not smaller than",
                         "degrees"),

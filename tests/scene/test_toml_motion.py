@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from figures import POSITIONS, add_animation, add_strip
-from toml_files import load_text
+from toml_files import LAMP, load_text
 
 from octolux.scene.errors import SceneError
 
@@ -59,12 +59,7 @@ def test_a_path_that_loops_begins_again(tmp_path):
 
 
 def test_light_that_a_spline_makes_negative_is_none(tmp_path):
-    scene = load_text(tmp_path, """
-[[light]]
-type = "point"
-name = "lamp"
-position = [0, 0, 0]
-intensity = 1
+    scene = load_text(tmp_path, LAMP + """
 [[keyframes]]
 target = "light:lamp"
 property = "intensity"

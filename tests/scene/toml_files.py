@@ -1,4 +1,4 @@
-"""A small OBJ model, and TOML scenes written beside it."""
+"""A small OBJ model, TOML scenes written beside it, and tables that several of them hold."""
 
 from __future__ import annotations
 
@@ -21,10 +21,30 @@ usemtl oak
 f 1/1/1 2/2/1 3/3/1
 g far
 usemtl pine
-f 1/1/1 3/2/1 4/3/1
+f -4/-3/-1 -2/-2/-1 -1/-1/-1
 """
 MTL = "newmtl oak\nKd 0.5 0.4 0.3\nmap_Kd wood.png\nnewmtl pine\nKd 0.2 0.2 0.2\nmap_Kd wood.png\n"
-
+SUN = '''[[light]]
+type = "directional"
+name = "sun"
+direction = [0, -2, 0]
+illuminance = [3, 2, 1]
+'''
+LAMP = '''[[light]]
+type = "point"
+name = "lamp"
+position = [0, 0, 0]
+intensity = 1
+'''
+SPOT = '''[[light]]
+type = "spot"
+name = "spot"
+position = [0, 3, 0]
+direction = [0, -1, 0]
+intensity = 100
+inner_angle = 20
+outer_angle = 30
+'''
 
 
 def write_model(folder: Path) -> None:
