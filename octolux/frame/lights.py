@@ -41,6 +41,11 @@ class LightSet:
         return len(self.views) - CUBE_FACES * self.counts[3] - self.counts[4]
 
     @property
+    def lamps(self) -> int:
+        """How many of the lights, the first ones, have maps of full resolution."""
+        return sum(self.counts[:3])
+
+    @property
     def emitter_views(self) -> range:
         """Numbers of the emitters' views, the camera's being 0."""
         first = 1 + self.main_views

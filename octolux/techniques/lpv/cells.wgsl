@@ -3,17 +3,17 @@
 
 // The levels lie behind one another, the finest first. A level of `stored` cells has a border of one cell that stays dark,
 // so that no step asks where the volume ends; its light has none. Threads in a row belong to one level, in whole workgroups.
-struct Level { n: i32, stored: i32, light: i32, first: u32, number: u32 }
+struct Level { n: i32, stored: i32, light: i32, first: u32 }
 
 // Dispatches come in rows, as no dimension has more than 65,535 workgroups.
 fn thread_of(id: vec3u) -> u32 { return id.x + {{ row }}u * id.y; }
 
+{% macro made(level) %}Level({{ level.n }}, {{ level.stored }}, {{ level.light }}, {{ level.first }}u){% endmacro %}
 fn level_of(thread: u32) -> Level {
-    {% for level in levels %}
-    {% if not loop.last %}if thread < {{ level.end }}u { {% endif -%}
-    return Level({{ level.n }}, {{ level.stored }}, {{ level.light }}, {{ level.first }}u, {{ loop.index0 }}u);
-    {%- if not loop.last %} }{% endif %}
+    {% for level in levels[:-1] %}
+    if thread < {{ level.end }}u { return {{ made(level) }}; }
     {% endfor %}
+    return {{ made(levels[-1]) }};
 }
 
 // The cell number `number` of a level of n^3, x quickest.
@@ -32,6 +32,7 @@ fn light_index(level: Level, cell: vec3i, channel: u32) -> u32 {
     return 3u * u32(level.light + cell.x + level.n * (cell.y + level.n * cell.z)) + channel;
 }
 
+{% if "store" in access %}
 fn store(level: Level, cell: vec3i, channel: u32, e: vec4f) {
     {% if format == "f16" %}
     cells_out[stored_index(level, cell, channel)] = vec2u(pack2x16float(e.xy), pack2x16float(e.zw));
@@ -39,6 +40,14 @@ fn store(level: Level, cell: vec3i, channel: u32, e: vec4f) {
     cells_out[stored_index(level, cell, channel)] = e;
     {% endif %}
 }
+{% endif %}
+
+{% if "load" in access %}
+fn load(level: Level, cell: vec3i, channel: u32) -> vec4f {
+    let stored = cells_in[stored_index(level, cell, channel)];
+    return {% if format == "f16" %}vec4f(unpack2x16float(stored.x), unpack2x16float(stored.y)){% else %}stored{% endif %};
+}
+{% endif %}
 
 {% if evaluation == "dominant_lobe" %}
 // Sum of max(0, v.m) over the 30 faces; by symmetry it needs the sizes of v's components alone.

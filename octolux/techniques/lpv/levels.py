@@ -21,6 +21,11 @@ class Levels:
         self.cells = sum(n**3 for n in self.sizes)
         self.stored = sum((n + 2) ** 3 for n in self.sizes)
 
+    @property
+    def rows(self) -> tuple[int, int]:
+        """Threads across and rows of a dispatch over all cells."""
+        return min(self.cells, ROW), -(-self.cells // ROW)
+
     def first(self, level: int) -> int:
         """Number of the first cell of `level`."""
         return sum(n**3 for n in self.sizes[:level])

@@ -50,7 +50,7 @@ class Propagation:
     ):  # fmt: skip
         self.levels = Levels(sizes)
         self._travelled = Levels([n for n in sizes if n > 1])
-        self._device, self._kind = device, _CELL_TYPES[cell_format]
+        self._device, self.kind = device, _CELL_TYPES[cell_format]
         size = self.levels.stored * _CELL_BYTES[cell_format]
         self._cells = [device.buffer("LPV cells", size=size) for _ in range(2)]
         self.light = device.buffer("LPV accumulated light", size=self.levels.cells * 48)
@@ -59,16 +59,23 @@ class Propagation:
         if marks:
             self._marked = {"touched": device.buffer("LPV index volume", size=self.levels.cells * 4)}
         self._values = {
-            "format": cell_format, "row": ROW, "marks": marks, "threshold": 8.0 * (threshold or 0.0),  # storage_scale.wgsl: 8
+            "format": cell_format, "row": ROW, "marks": marks,
+            "threshold": 8.0 * (threshold or 0.0),  # storage_scale.wgsl: the peak's power of two is 8
             **propagation_values(evaluation, reprojection, gain),
         }  # fmt: skip
         self._start = ComputePass(
             device, "start", "techniques/lpv/start.wgsl",
             [storage("injected", "vec4f"), storage("peak", "u32"), storage_rw("light", "vec4f", "write"),
-             storage_rw("cells_out", self._kind, "write"), *(storage_rw(name, "u32") for name in self._marked)],
-            workgroup=(WORKGROUP, 1, 1), levels=self.levels.described(), **self._values,
+             storage_rw("cells_out", self.kind, "write"), *(storage_rw(name, "u32") for name in self._marked)],
+            workgroup=(WORKGROUP, 1, 1), levels=self.levels.described(), access=["store"], **self._values,
         )  # fmt: skip
         self._steps: dict[int, ComputePass] = {}
+        self.last = self._cells[0]
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """What templates of cells.wgsl need to read `last`."""
+        return {**self._values, "levels": self.levels.described(), "access": ["load"]}
 
     @property
     def touched(self) -> Any:
@@ -81,10 +88,10 @@ class Propagation:
             sums = [storage_rw("light", "vec4f"), *(storage_rw(name, "u32") for name in self._marked)] if adds else []
             self._steps[adds] = ComputePass(
                 self._device, "propagate", "techniques/lpv/propagation.wgsl",
-                [storage("cells_in", self._kind), storage_rw("cells_out", self._kind, "write"), *sums],
+                [storage("cells_in", self.kind), storage_rw("cells_out", self.kind, "write"), *sums],
                 workgroup=(WORKGROUP, 1, 1), block=BLOCK, adds=adds, sources=block_sources(),
                 block_cells=list(itertools.product(*(range(b) for b in BLOCK))),
-                levels=self._travelled.described(BLOCK), **self._values,
+                levels=self._travelled.described(BLOCK), access=["load", "store"], **self._values,
             )  # fmt: skip
         return self._steps[adds]
 
@@ -101,3 +108,4 @@ class Propagation:
             sums = {"light": self.light, **self._marked} if adds else {}
             self._step(adds).run(stage, threads, cells_in=source, cells_out=target, **sums)
             source, target = target, source
+        self.last = source

@@ -7,15 +7,6 @@
 
 {{ use("techniques/lpv/cells.wgsl") }}
 
-{% if format == "f16" %}
-fn load(level: Level, cell: vec3i, channel: u32) -> vec4f {
-    let packed = cells_in[stored_index(level, cell, channel)];
-    return vec4f(unpack2x16float(packed.x), unpack2x16float(packed.y));
-}
-{% else %}
-fn load(level: Level, cell: vec3i, channel: u32) -> vec4f { return cells_in[stored_index(level, cell, channel)]; }
-{% endif %}
-
 {% set axes = {"x": "w", "y": "y", "z": "z"} %}
 {% macro within(x) %}{% if clamped %}max(0.0, {{ x }}){% else %}{{ x }}{% endif %}{% endmacro %}
 {# Flux that cell `key` receives from the neighbour with emission e when light travels along `sign` `axis`. #}

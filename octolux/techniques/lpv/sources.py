@@ -77,9 +77,9 @@ def _continues(before: VplSource, source: VplSource) -> bool:
 
 
 def group_sources(sources: Sequence[VplSource]) -> list[SourceGroup]:
-    """As few groups as the brightest lights first make; a light that cannot share has one of its own."""
+    """Lights, from the one with the faintest VPLs on, in the first group that takes them."""
     groups: list[SourceGroup] = []
-    for source in sorted((s for s in sources if s.count), key=lambda s: -float(np.sum(s.total_flux))):
+    for source in sorted((s for s in sources if s.count), key=lambda s: float(np.sum(s.total_flux)) / s.count):
         for number, group in enumerate(groups):
             if (joined := group.joined_by(source)) is not None:
                 groups[number] = joined

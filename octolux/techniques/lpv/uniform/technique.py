@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from math import pi
 from typing import Any
 
 import numpy as np
 
 from ....frame.frame import Frame
 from ....gpu.device import Device
-from ....scene.lights import DirectionalLight
-from ....simulator.grid import Grid
 from ...technique import Technique
 from ..constants import GRID, pack_grid, storage_scale
-from ..injection import Injection, VplSource
+from ..injection import Injection
 from ..lookup import Lookup
 from ..propagation import Propagation
+from ..volume import scene_grid, vpl_sources
 from .settings import UniformLpvSettings
 
 
@@ -40,40 +38,21 @@ class UniformLpv(Technique):
             device, s.n, reading=s.reading, damping=s.damping, lookup_offset=s.lookup_offset, scale=s.scale
         )
         self._grid_buffer = device.uniform("LPV grid", GRID.array(1))
-        self.grid: Grid | None = None
 
     def prepare(self, frame: Frame) -> None:
         self.lookup.prepare(frame.pixels)
-        low, high = frame.world_box
-        if not np.any(high > low):  # an empty scene: any box will do
-            high = low + 1.0
-        self.grid = Grid.around(low, high, self.settings.n)
+        self.grid = scene_grid(frame, self.settings.n)
         self.device.write(self._grid_buffer, pack_grid(self.grid))
         frame.irradiance = self.lookup.irradiance
 
     def update(self, frame: Frame) -> None:
         with frame.profiler.stage("injection") as stage:
-            self.injection.run(stage, self._grid_buffer, frame.vpls, self._sources(frame))
+            sources = vpl_sources(frame, self.grid, self.settings.injection)
+            self.injection.run(stage, self._grid_buffer, frame.vpls, sources)
         with frame.profiler.stage("propagation") as stage:
             self.propagation.run(stage, self.injection.injected, self.injection.peak, self.settings.iterations)
         with frame.profiler.stage("volumes") as stage:
             self.lookup.write_volumes(stage, self.propagation.light)
-
-    def _sources(self, frame: Frame) -> list[VplSource]:
-        ranges = zip(frame.vpl_ranges, frame.lights.total_flux, strict=True)
-        return [
-            VplSource(first, count, flux, self._intensity_per_flux(frame, index))
-            for index, ((first, count), flux) in enumerate(ranges)
-        ]
-
-    def _intensity_per_flux(self, frame: Frame, index: int) -> float:
-        """1/pi; in the thesis 1. There a directional light's flux is I A w with the texel weight w = texel area over
-        cell area (OLPV 3.2.2): ours holds I A times the texel's area, so 1 / cell area is left."""
-        if self.settings.injection == "flux":
-            return 1.0 / pi
-        assert self.grid is not None
-        directional = isinstance(frame.lights.lights[index], DirectionalLight)
-        return 1.0 / self.grid.cell_size**2 if directional else 1.0
 
     def shade(self, frame: Frame) -> None:
         with frame.profiler.stage("lookup") as stage:

@@ -1,0 +1,110 @@
+"""Gathering: light goes from every cell straight to every other, over long ways in large cells.
+
+The papers' steps are a diffusion: light forgets its direction, and how much arrives depends on the number of steps
+(Kaplanyan & Dachsbacher 2010, 3.3; Olovsson 2012, 6.1). Here a cell receives, by the inverse square, from nodes of the
+octree, each as large as its distance allows: a node of level i is read by cells that its parent, but not itself,
+is next to. So each part of space sends its light once to each cell, on the level that suits the way (Olovsson 2012,
+7.1, "propagation between octree levels on the fly"), and 189 nodes a level at most suffice.
+
+What arrives is held as irradiance on six faces, for normals along the axes (an ambient cube). Cells have no single
+direction of incoming light, as it comes from all sides; on walls along the axes the cube is exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from octolux.simulator import sh as harmonics
+from octolux.simulator.lpv.geometry import cone_transmittance
+from octolux.simulator.lpv.octree import build_levels
+from octolux.simulator.lpv.transfer import DIRECTIONS
+
+SPREAD = 1.0 / 3.0
+"""E = I / (r^2 + SPREAD s^2) of a node of size s: a lit square of side s straight ahead gives
+I / r^2 * (1 - s^2 / (3 r^2)) to second order (form_factors.py expanded in s/r), and 1.003 times this expression even at
+r = s."""
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """The cells of one level that hold light. cell: int (M, 3) x, y, z.  place: (M, 3), the centroid of the flux, in
+    cells of level 0.  flux, fraction: (M, 3) per channel, direction: (M, 3, 3): dominant lobes (sh.py)."""
+
+    level: int
+    cell: np.ndarray
+    place: np.ndarray
+    flux: np.ndarray
+    fraction: np.ndarray
+    direction: np.ndarray
+
+
+def light_nodes(injected) -> list[Nodes]:
+    """Nodes of every level of `injected` [z][y][x][rgb][4], the finest first. Level 0's light is taken to be in the
+    middle
+    of its cells."""
+    injected = np.asarray(injected, dtype=np.float64)
+    weight = injected[..., 0].sum(axis=-1, keepdims=True)
+    z, y, x = np.indices(weight.shape[:3])
+    moments = np.concatenate([weight * (np.stack([x, y, z], axis=-1) + 0.5), weight], axis=-1)
+    result = []
+    for i, (cells, moment) in enumerate(zip(build_levels(injected), build_levels(moments), strict=True)):
+        lit = np.nonzero(moment[..., 3] > 0.0)
+        place = moment[lit][:, :3] / moment[lit][:, 3:]
+        result.append(Nodes(i, np.stack(lit[::-1], axis=-1), place, *harmonics.dominant_lobe(cells[lit])))
+    return result
+
+
+def takes(cell: np.ndarray, node: np.ndarray, level: int, levels: int) -> np.ndarray:
+    """Whether cells (..., 3) of level 0 read nodes (..., 3) of `level`: next to the node's parent, but not to it; on
+    level 0
+    to it as well, and on the last level without a parent."""
+    near = np.abs(node - (cell >> level)).max(axis=-1) <= 1
+    wide = np.abs((node >> 1) - (cell >> (level + 1))).max(axis=-1) <= 1
+    far = ~near if level else np.ones_like(near)
+    return far & wide if level < levels - 1 else far
+
+
+def gather(cells, nodes: Sequence[Nodes], cell_size: float, geometry: Sequence[np.ndarray] | None = None) -> np.ndarray:
+    """Irradiance (M, 6, 3) [face][rgb], W/m^2 (lx), on small faces in the middle of `cells` (M, 3) of level 0 whose
+    normals are
+    `transfer.DIRECTIONS`. geometry: the geometry volume's levels, which block; None for no occlusion."""
+    cells = np.asarray(cells)
+    result = np.zeros((len(cells), 6, 3))
+    for level in nodes:
+        read = takes(cells[:, None], level.cell[None], level.level, len(nodes))
+        for number in range(len(level.cell)):
+            near = np.nonzero(read[:, number])[0]
+            result[near] += _received(cells[near] + 0.5, level, number, geometry)
+    return result / cell_size**2
+
+
+def _received(points: np.ndarray, nodes: Nodes, number: int, geometry: Sequence[np.ndarray] | None) -> np.ndarray:
+    """What one node sends to each of `points` (M, 3), in cells: (M, 6, 3), times the square of the cell size."""
+    way = points - nodes.place[number]
+    square = np.sum(way * way, axis=-1)
+    direction = way / np.sqrt(np.maximum(square, 1e-12))[:, None]
+    cosine = np.maximum(0.0, direction @ nodes.direction[number].T)
+    flux, fraction = nodes.flux[number], nodes.fraction[number]
+    intensity = flux * (fraction * cosine / pi + (1.0 - fraction) / (4.0 * pi))
+    size = 2.0**nodes.level
+    arriving = intensity / (square + SPREAD * size**2)[:, None]
+    if geometry is not None:
+        place = np.broadcast_to(nodes.place[number], points.shape)
+        arriving *= cone_transmittance(geometry, points, place, size)[:, None]
+    return np.maximum(0.0, -direction @ DIRECTIONS.T)[:, :, None] * arriving[:, None, :]
+
+
+def read_cube(cube, normals) -> np.ndarray:
+    """Irradiance (..., 3) for unit `normals` (..., 3) from `cube` (..., 6, 3): the three faces that the normal sees,
+    by the
+    squares of its components, which add up to 1 (McTaggart 2004, "Half-Life 2 / Valve Source Shading")."""
+    normals = np.asarray(normals, dtype=np.float64)
+    result = np.zeros((*np.broadcast_shapes(cube.shape[:-2], normals.shape[:-1]), 3))
+    for axis in range(3):
+        towards = np.where(normals[..., axis, None] >= 0.0, cube[..., 2 * axis, :], cube[..., 2 * axis + 1, :])
+        result += normals[..., axis, None] ** 2 * towards
+    return result

@@ -1,0 +1,82 @@
+"""The geometry volume: how much surface lies in each cell, and what of a ray it lets through.
+
+Each surfel (a texel of an RSM or of the G-buffer) has an area and a normal. A cell holds the three projected areas
+a = sum of area |n| over the square of the cell size: the share of the cell's cross section that is blocked for light
+along x, y and z. Kaplanyan & Dachsbacher 2010, 3.2 hold the same, area / s^2 times the cosine, as a two-band SH lobe
+around
+the normal; its band 1 cancels for a thin wall that is seen from both sides, which three sizes do not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from octolux.simulator.grid import Grid
+from octolux.simulator.lpv.octree import downsample, level_sizes
+
+CONE_LENGTH = 5.0
+"""Length over cell size at which the march along a cone goes on to the next level. A node is read from 1.5 to 3.5 of
+its
+sizes away (gathering.py), 2.5 on average: the cone to it is 1/2.5 as wide as it is long, and cells of half its width
+resolve what lies in it."""
+
+
+def inject_surfels(position, normal, area, grid: Grid) -> np.ndarray:
+    """Blocked shares [z][y][x][3] of M surfels of one buffer, at most 1 each: several layers of a surface in one cell,
+    or texels that overlap, block no more than a wall does.
+
+    position: (M, 3), world space.  normal: (M, 3) unit.  area: (M,), m^2. Surfels outside the grid are omitted.
+    """
+    cells = grid.cell_of(position)
+    kept = np.all((cells >= 0) & (cells < grid.n), axis=-1)
+    x, y, z = cells[kept].T
+    volume = np.zeros((grid.n,) * 3 + (3,))
+    shares = np.abs(np.asarray(normal, dtype=np.float64)) * np.asarray(area)[:, None] / grid.cell_size**2
+    np.add.at(volume, (z, y, x), shares[kept])
+    return np.minimum(volume, 1.0)
+
+
+def merge_buffers(volumes: Sequence[np.ndarray]) -> np.ndarray:
+    """One volume from those of several buffers, by maximum: each may have seen the same surface (CLPV 3.2)."""
+    return np.max(volumes, axis=0)
+
+
+def geometry_levels(finest: np.ndarray, coarsest: int = 1) -> list[np.ndarray]:
+    """The geometry volume's octree: areas add up and the cross section is 4 times as large, so a parent is a quarter of
+    its children's sum, at most 1 (a wall fills 4 of 8 children)."""
+    levels = [np.asarray(finest, dtype=np.float64)]
+    for _ in level_sizes(levels[0].shape[0], coarsest)[1:]:
+        levels.append(np.minimum(0.25 * downsample(levels[-1], "sum"), 1.0))
+    return levels
+
+
+def cone_transmittance(geometry: Sequence[np.ndarray], start, end, node_size) -> np.ndarray:
+    """Share (M,) of light that passes from points `end` (M, 3) in nodes of `node_size` (M,) to points `start` (M, 3),
+    in
+    cells of level 0: a cone from a point to the node, marched on the level whose cells are half as wide as the cone.
+
+    Each step crosses one layer of cells of its level, along the direction's longest component: it is blocked by the
+    cell's shares a.|u| times the length of the step, at most wholly. A wall across the step blocks exactly all.
+    The first cell before `start` and the last before the node's edge are left out: they hold the surfaces that the
+    light comes from and goes to, half a cell behind either point.
+    """
+    start, end = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
+    node_size = np.broadcast_to(node_size, start.shape[:1])
+    distance = np.linalg.norm(end - start, axis=-1)
+    towards = (end - start) / np.where(distance > 0.0, distance, 1.0)[:, None]
+    longest = np.maximum(np.abs(towards).max(axis=-1), 1e-6)
+    passed, travelled = np.ones(len(start)), 1.0 / longest
+    last = distance - node_size / longest
+    while (inside := travelled < last).any():
+        level = np.clip(np.floor(np.log2(travelled / CONE_LENGTH)), 0, len(geometry) - 1).astype(int)
+        step = 2.0**level / longest
+        middle = start + towards * (travelled + 0.5 * step)[:, None]
+        for i, shares in enumerate(geometry):
+            here = inside & (level == i)
+            cell = np.clip(np.floor(middle[here] / 2**i).astype(int), 0, shares.shape[0] - 1)
+            blocked = np.sum(shares[cell[:, 2], cell[:, 1], cell[:, 0]] * np.abs(towards[here]), axis=-1)
+            passed[here] *= 1.0 - np.minimum(blocked * step[here] / 2**i, 1.0)
+        travelled += step
+    return passed

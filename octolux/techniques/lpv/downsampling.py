@@ -1,0 +1,37 @@
+"""Downsampling: the coarser levels of an octree from its finest (OLPV 4.2)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...gpu.bindings import storage_rw
+from ...gpu.device import Device
+from ...gpu.passes import ComputePass
+from .levels import Levels
+
+_AT_ONCE = 3  # levels that a workgroup makes in one dispatch
+
+
+class Downsampling:
+    """Fills levels 1 and above of a buffer of vec4f [level][z][y][x][per_cell] from level 0.
+
+    A parent is `factor` times the sum of its children, each number at most `limit` if there is one: 1 keeps flux,
+    1/8 is OLPV's eq. 11.
+    """
+
+    def __init__(
+        self, device: Device, levels: Levels, *, per_cell: int, factor: float = 1.0, limit: float | None = None
+    ):
+        self._passes: list[tuple[int, ComputePass]] = []
+        for base in range(0, len(levels.sizes) - 1, _AT_ONCE):
+            numbers = range(base, min(base + _AT_ONCE + 1, len(levels.sizes)))
+            described = [{"n": levels.sizes[i], "first": levels.first(i)} for i in numbers]
+            made = ComputePass(
+                device, "downsample", "techniques/lpv/downsample.wgsl", [storage_rw("cells", "vec4f")],
+                workgroup=(4, 4, 4), levels=described, per_cell=per_cell, factor=factor, limit=limit,
+            )  # fmt: skip
+            self._passes.append((levels.sizes[base + 1], made))
+
+    def run(self, stage: Any, cells: Any) -> None:
+        for n, each in self._passes:
+            each.run(stage, (n, n, n), cells=cells)

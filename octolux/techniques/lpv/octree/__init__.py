@@ -1,0 +1,1 @@
+"""The octree light propagation volume."""

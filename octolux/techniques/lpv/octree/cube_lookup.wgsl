@@ -1,0 +1,27 @@
+// Irradiance of what the camera sees from the faces of the cells around it (simulator/lpv/gathering.py, `read_cube`).
+{{ use("shaders/view.wgsl") }}
+{{ use("shaders/gbuffer.wgsl") }}
+{{ use("techniques/lpv/storage_scale.wgsl") }}
+{{ use("techniques/lpv/octree/place.wgsl") }}
+
+@compute @workgroup_size({{ workgroup }})
+fn main(@builtin(global_invocation_id) pixel: vec3u) {
+    if any(pixel.xy >= textureDimensions(depth_map)) { return; }
+    let seen = seen_place(pixel.xy);
+    if !seen.inside {
+        textureStore(irradiance_out, pixel.xy, vec4f(0.0, 0.0, 0.0, 1.0));
+        return;
+    }
+    let place = filtered_place(seen.place) + 0.5;
+    var irradiance = vec3f(0.0);
+    {% for axis in "xyz" %}
+    {
+        let face = select({{ 2 * loop.index0 + 1 }}.0, {{ 2 * loop.index0 }}.0, seen.normal.{{ axis }} >= 0.0);
+        let at = (place + vec3f(0.0, 0.0, {{ n }}.0 * face)) * vec3f({{ 1 / n }}, {{ 1 / n }}, {{ 1 / (6 * n) }});
+        let light = textureSampleLevel(cube, volume_sampler, at, 0.0).rgb;
+        irradiance += seen.normal.{{ axis }} * seen.normal.{{ axis }} * light;
+    }
+    {% endfor %}
+    irradiance *= 1.0 / (storage_scale(peak[0]) * grid.cell_size * grid.cell_size);
+    textureStore(irradiance_out, pixel.xy, vec4f(irradiance, 1.0));
+}

@@ -1,0 +1,101 @@
+"""Settings of the octree light propagation volume."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from ...settings import Settings, setting
+
+
+@dataclass(frozen=True)
+class OctreeLpvSettings(Settings):
+    """The default sends light straight from cell to cell; `steps` is OLPV made physical, `thesis` OLPV by the
+    letter."""
+
+    n: int = setting(
+        32, meaning="cells along each side of the finest level", unit="cells", allowed=(16, 32, 64, 128),
+        cost="memory and steps grow with n^3, gathering about with n^2 log n; more resolves smaller bounces",
+        source="OLPV 4.2, 5.2",
+    )  # fmt: skip
+    propagation: str = setting(
+        "gather", meaning="how light spreads: straight, each way on the level that suits its length; or by steps on "
+        "every level, merged", unit="", allowed=("gather", "steps"),
+        cost="gather takes more time on a CPU and is much nearer to the truth", source="OLPV 4.2 and 7.1",
+    )  # fmt: skip
+    occlusion: bool = setting(
+        True, meaning="surfaces between block light, through the geometry volume", unit="", allowed=(False, True),
+        cost="some half of the gathering; without it light goes through walls", source="CLPV 3.2, OLPV 5.2",
+    )  # fmt: skip
+    camera_surfels: bool = setting(
+        True, meaning="what the camera sees blocks light, besides what lights see", unit="", allowed=(False, True),
+        cost="a pass over 256^2 pixels; without it the light is the same from everywhere", source="CLPV 3.2",
+    )  # fmt: skip
+    cells: str = setting(
+        "seen", meaning="which cells gather light: those that seen surfaces look up, or all", unit="",
+        allowed=("seen", "all"), cost="all: several times the time, for looking into the volume", source="ours",
+    )  # fmt: skip
+    iterations: int = setting(
+        4, meaning="propagation steps k on every level", unit="steps", allowed=[0, 128],
+        cost="time is proportional; more makes finer levels reach farther", source="OLPV 4.2, 6",
+    )  # fmt: skip
+    coarsest: int = setting(
+        1, meaning="cells along each side of the coarsest level", unit="cells", allowed=(1, 2),
+        cost="none; the thesis had no texture of one texel", source="OLPV 5.2",
+    )  # fmt: skip
+    combine: str = setting(
+        "sum", meaning="a parent from its eight children: their sum keeps flux, read with the parent's cell size",
+        unit="", allowed=("sum", "average"), cost="none", source="OLPV eq. 11; ours: simulator/lpv/octree.py",
+    )  # fmt: skip
+    merge: str = setting(
+        "arrival", meaning="which level a cell reads: what has arrived, blended, or the finest that has been touched",
+        unit="", allowed=("arrival", "index"), cost="arrival: eight times the reads of the merge",
+        source="OLPV 4.2, 6.1, 7.1",
+    )  # fmt: skip
+    threshold: float = setting(
+        2.0**-20, meaning="share of the largest injected light up to which a contribution counts as zero", unit="",
+        allowed=[0.0, 1.0], cost="none; more keeps the index volume coarser", source="OLPV 4.2",
+    )  # fmt: skip
+    evaluation: str = setting(
+        "dominant_lobe", meaning="how a cell's intensity is read when it sends light on in steps", unit="",
+        allowed=("dominant_lobe", "clamped", "signed"), cost="dominant_lobe some 10 % more time; keeps flux",
+        source="CLPV 3.3; ours: simulator/lpv/propagation.py",
+    )  # fmt: skip
+    reprojection: str = setting(
+        "travel", meaning="direction of the lobe that a face's flux becomes", unit="", allowed=("travel", "face"),
+        cost="none", source="CLPV 3.3; ours: simulator/lpv/propagation.py",
+    )  # fmt: skip
+    gain: float = setting(
+        1.0, meaning="flux after a step over flux before, signed evaluation", unit="", allowed=[0.0, 2.0],
+        cost="none; 1 conserves energy", source="simulator/lpv/propagation.py",
+    )  # fmt: skip
+    injection: str = setting(
+        "flux", meaning="what a VPL injects: its flux / pi, or the thesis's lobe without 1/pi and with texel weight",
+        unit="", allowed=("flux", "thesis"), cost="none", source="CLPV 3.1, OLPV 3.2.2 and 3.3",
+    )  # fmt: skip
+    reading: str = setting(
+        "dominant_lobe", meaning="from intensity to irradiance after steps", unit="",
+        allowed=("dominant_lobe", "paper", "thesis"), cost="none", source="CLPV 3.4; ours: simulator/lpv/lookup.py",
+    )  # fmt: skip
+    lookup_offset: float = setting(
+        0.5, meaning="cells by which the point of lookup is moved along the normal, as VPLs are when injected",
+        unit="cells", allowed=[0.0, 2.0], cost="none; 0 reads half of what lies behind a wall", source="CLPV 3.1",
+    )  # fmt: skip
+    scale: float = setting(
+        1.0, meaning="free scale of the thesis reading; no other reading has one", unit="1/m^2", allowed=[0.0, 1e6],
+        cost="none", source="OLPV 3.2.4",
+    )  # fmt: skip
+    cell_format: str = setting(
+        "f32", meaning="numbers of a cell while light travels", unit="", allowed=("f32", "f16"),
+        cost="f16: half the memory and traffic of a step; a software adapter spends as much on converting",
+        source="OLPV 5.2 (f32), CLPV 6 (f16)",
+    )  # fmt: skip
+
+    PRESETS: ClassVar[dict[str, dict[str, Any]]] = {
+        "steps": {"propagation": "steps", "occlusion": False},
+        "thesis": {
+            "propagation": "steps", "occlusion": False, "coarsest": 2, "combine": "average", "merge": "index",
+            "evaluation": "clamped", "reprojection": "face", "gain": 0.75, "injection": "thesis", "reading": "thesis",
+            "lookup_offset": 0.0,
+        },
+    }  # fmt: skip

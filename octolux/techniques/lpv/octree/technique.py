@@ -1,0 +1,105 @@
+"""`octree-lpv`: a full octree of cells around the scene (OLPV 4)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ....frame.frame import COPY, STORAGE, TEXTURE, Frame
+from ....gpu.device import Device
+from ....simulator.lpv.octree import level_sizes
+from ...technique import Technique
+from ..constants import GRID, pack_grid, storage_scale
+from ..downsampling import Downsampling
+from ..geometry import GeometryVolume
+from ..injection import Injection
+from ..levels import Levels
+from ..volume import scene_grid, vpl_sources
+from .gathering import Gathering
+from .settings import OctreeLpvSettings
+from .stepping import Stepping
+
+
+class OctreeLpv(Technique):
+    """One bounce of diffuse light, everything made anew each frame."""
+
+    name, summary = "octree-lpv", "one bounce of diffuse light through an octree of cells, with occlusion"
+    settings_class = OctreeLpvSettings
+    label = "LPV"
+    needs = frozenset({"rsm"})
+    supports = frozenset({"dynamic geometry", "dynamic lights", "diffuse", "occlusion"})
+    settings: OctreeLpvSettings
+
+    def __init__(self, device: Device, settings: OctreeLpvSettings):
+        super().__init__(device, settings)
+        s = settings
+        self.levels = Levels(level_sizes(s.n, s.coarsest))
+        self.injection = Injection(device, s.n, cells=self.levels.cells)
+        factor = 1.0 if s.combine == "sum" else 0.125
+        self.downsampling = Downsampling(device, self.levels, per_cell=3, factor=factor)
+        self._grid_buffer = device.uniform("LPV grid", GRID.array(1))
+        self.geometry = GeometryVolume(device, self.levels, s.camera_surfels) if s.occlusion else None
+        if s.propagation == "gather":
+            self.gathering = Gathering(
+                device, self.levels, occlusion=s.occlusion, lookup_offset=s.lookup_offset, everywhere=s.cells == "all"
+            )
+        else:
+            self.stepping = Stepping(device, self.levels, s)
+        self._irradiance: Any = None
+
+    def prepare(self, frame: Frame) -> None:
+        self.grid = scene_grid(frame, self.settings.n)
+        self.device.write(self._grid_buffer, pack_grid(self.grid))
+        if self.settings.propagation == "steps":
+            self.stepping.lookup.prepare(frame.pixels)
+            frame.irradiance = self.stepping.lookup.irradiance
+            return
+        if self._irradiance is None or self._irradiance.size[:2] != frame.pixels:
+            usage = STORAGE | TEXTURE | COPY
+            self._irradiance = self.device.texture("LPV irradiance", frame.pixels, "rgba32float", usage=usage)
+        frame.irradiance = self._irradiance
+
+    def update(self, frame: Frame) -> None:
+        profiler = frame.profiler
+        with profiler.stage("injection") as stage:
+            sources = vpl_sources(frame, self.grid, self.settings.injection)
+            self.injection.run(stage, self._grid_buffer, frame.vpls, sources)
+        if self.geometry:
+            with profiler.stage("geometry volume") as stage:
+                self.geometry.run(stage, frame, self._grid_buffer)
+        with profiler.stage("downsampling") as stage:
+            self.downsampling.run(stage, self.injection.injected)
+            if self.settings.propagation == "gather":
+                self.gathering.update(stage, self.injection.injected)
+        if self.settings.propagation == "steps":
+            self.stepping.run(profiler, self.injection.injected, self.injection.peak)
+
+    def shade(self, frame: Frame) -> None:
+        peak = self.injection.peak
+        if self.settings.propagation == "steps":
+            with frame.profiler.stage("lookup") as stage:
+                self.stepping.lookup.read(stage, frame, self._grid_buffer, peak)
+            return
+        with frame.profiler.stage("propagation") as stage:
+            shares = self.geometry.packed if self.geometry else None
+            self.gathering.gather(stage, frame, self._grid_buffer, peak, shares)
+        with frame.profiler.stage("lookup") as stage:
+            self.gathering.read(stage, frame, self._grid_buffer, peak, self._irradiance)
+
+    def debug_views(self) -> dict[str, Any]:
+        """"injected", and after steps "accumulated": a list of float32 [z][y][x][rgb][4], W/sr, one for each level;
+        "blocked": the same of [z][y][x][3], shares of the cross section."""
+        views = {"injected": self._read(self.injection.injected, (3, 4))}
+        if self.settings.propagation == "steps":
+            peak = np.frombuffer(self.device.queue.read_buffer(self.injection.peak), np.float32)[0]
+            scaled = self._read(self.stepping.propagation.light, (3, 4))
+            views["accumulated"] = [level / storage_scale(peak) for level in scaled]
+        if self.geometry:
+            views["blocked"] = [level[..., :3] for level in self._read(self.geometry.shares, (4,))]
+        return views
+
+    def _read(self, buffer: Any, cell: tuple[int, ...]) -> list[np.ndarray]:
+        flat = np.frombuffer(self.device.queue.read_buffer(buffer), np.float32).reshape(-1, *cell)
+        firsts = [self.levels.first(i) for i in range(len(self.levels.sizes))]
+        return [flat[f : f + n**3].reshape(n, n, n, *cell) for f, n in zip(firsts, self.levels.sizes, strict=True)]
