@@ -25,16 +25,15 @@ fn laine_karras(value: u32, seed: u32) -> u32 {
 
 fn nested_scramble(value: u32, seed: u32) -> u32 { return reverseBits(laine_karras(reverseBits(value), seed)); }
 
-// The second dimension of Sobol's sequence, bits reversed.
+// The second dimension of Sobol's sequence, bits reversed: bit i is the sum modulo 2 of all bits k of the index for which
+// binomial(k, i) is odd, which is where i is a part of k in binary (Lucas 1878); one step for each bit of their numbers.
 fn sobol_second_reversed(index: u32) -> u32 {
-    var left = index;
-    var column = 1u;
-    var bits = 0u;
-    while left != 0u {
-        if (left & 1u) != 0u { bits ^= column; }
-        left >>= 1u;
-        column ^= column << 1u;
-    }
+    var bits = index;
+    bits ^= (bits >> 1u) & 0x55555555u;
+    bits ^= (bits >> 2u) & 0x33333333u;
+    bits ^= (bits >> 4u) & 0x0f0f0f0fu;
+    bits ^= (bits >> 8u) & 0x00ff00ffu;
+    bits ^= bits >> 16u;
     return bits;
 }
 
