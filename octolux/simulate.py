@@ -10,12 +10,15 @@ from rich.table import Table
 
 from . import console
 from .output.atomic import replacing
+from .scene.errors import OctoluxError
+from .viewer.simulate import HOST, PORT
 
 if TYPE_CHECKING:
     from .simulator.laboratory import Simulation
 
 _Script = Annotated[
-    Path, typer.Argument(metavar="SCRIPT", help="A .toml or .json file of settings and actions; docs/simulate.md.")
+    Path | None,
+    typer.Argument(metavar="SCRIPT", help="A .toml or .json file of settings and actions; docs/simulate.md."),
 ]
 _Out = Annotated[
     Path,
@@ -25,11 +28,44 @@ _Out = Annotated[
 ]
 
 
-def simulate(script: _Script, out: _Out = Path("simulation")) -> None:
+_Serve = Annotated[
+    bool, typer.Option("--serve", help="Open the laboratory in the browser instead, with what SCRIPT makes, if given.")
+]
+_Host = Annotated[str, typer.Option(metavar="ADDRESS", help="With --serve: the address to listen at.")]
+_Port = Annotated[int, typer.Option(min=0, max=65535, help="With --serve: the port; 0 takes any that is free.")]
+_Flatland = Annotated[
+    bool, typer.Option("--flatland", help="Compare propagation in the plane instead: flatland.png, flatland.csv.")
+]
+_Bands = Annotated[str, typer.Option(metavar="B,...", help="With --flatland: bands of circular harmonics.")]
+
+
+def simulate(
+    script: _Script = None,
+    out: _Out = Path("simulation"),
+    serve: _Serve = False,
+    host: _Host = HOST,
+    port: _Port = PORT,
+    flatland: _Flatland = False,
+    bands: _Bands = "2,4,16",
+) -> None:
     """Run SCRIPT in the laboratory of light propagation volumes.
 
     Float64 on the CPU, one colour channel; docs/simulate.md lists what a script may hold.
     """
+    if flatland:
+        if script is not None or serve:
+            raise OctoluxError("--flatland takes no script and has no page. Leave the others out.")
+        _flatland(bands, out)
+    elif serve:
+        _serve(script, host, port)
+    elif script is None:
+        raise OctoluxError("There is no script to run. Give one, or --serve, or --flatland.")
+    else:
+        _run(script, out)
+
+
+def _run(script: Path, out: Path) -> None:
+    """Run the script, and write what it made and what is always written."""
     from .compare.report import check_folder
     from .simulator.laboratory.results import final_files
     from .simulator.laboratory.script import Script
@@ -40,6 +76,47 @@ def simulate(script: _Script, out: _Out = Path("simulation")) -> None:
     files |= final_files(read.simulation)
     write(files, out)
     _print(read.simulation)
+    console.out.print(f"wrote {', '.join(files)} to {out}", markup=False, soft_wrap=True)
+
+
+def _serve(script: Path | None, host: str, port: int) -> None:
+    """The page, until it is stopped. A script is tried first, so that its mistakes are told here."""
+    from .simulator.laboratory import Simulation
+    from .simulator.laboratory.script import Script
+    from .viewer.simulate.server import serve
+
+    def begun() -> Simulation:
+        if script is None:
+            return Simulation(16)
+        read = Script(script)
+        read.run()
+        return read.simulation
+
+    begun()
+    serve(begun, host, port, lambda address: console.out.print(f"the laboratory is at {address} (Ctrl+C ends it)"))
+
+
+def _flatland(bands: str, out: Path) -> None:
+    """The figure and the table of propagation in the plane (Kaplanyan & Dachsbacher 2010, section 5)."""
+    from .compare.report import check_folder
+    from .simulator.flatland.results import flatland_files
+
+    try:
+        numbers = [int(part) for part in bands.split(",")]
+    except ValueError as error:
+        raise OctoluxError(f"--bands takes whole numbers such as 2,4,16, not '{bands}'.") from error
+    check_folder(out)
+    files, rows = flatland_files(numbers)
+    write(files, out)
+    table = Table(box=None)
+    for name in ("setting", "basis", "scheme"):
+        table.add_column(name, no_wrap=True)
+    for name in ("relative\nRMSE", "flux\nratio", "degrees\noff"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for row in rows:
+        figures = (f"{row[name]:.3g}" for name in ("relative_rmse", "flux_ratio", "direction_error"))
+        table.add_row(row["setting"], row["basis"], row["scheme"], *figures)
+    console.out.print(table)
     console.out.print(f"wrote {', '.join(files)} to {out}", markup=False, soft_wrap=True)
 
 

@@ -1,0 +1,1 @@
+"""Interactive windows and pages."""
