@@ -38,7 +38,8 @@ GRID = 64.0
 def compact(picture: np.ndarray) -> np.ndarray:
     """float16 of the same shape, rounded to KEPT_BITS of the mantissa. Raises OctoluxError where it is too bright."""
     dropped = 10 - KEPT_BITS
-    bits = np.asarray(picture, np.float16).view(np.uint16)
+    with np.errstate(over="ignore"):
+        bits = np.asarray(picture, np.float32).astype(np.float16).view(np.uint16)
     # Adding half a step carries into the exponent where it must.
     kept = ((bits + (1 << (dropped - 1))) & np.uint16(0xFFFF ^ ((1 << dropped) - 1))).view(np.float16)
     if not np.isfinite(kept).all():
@@ -52,12 +53,10 @@ def traced(view: View, studio: Studio, light: str, samples: int) -> Reference:
     return studio.reference(choice(words), 2 * samples)
 
 
-def make(
-    view: View, folder: Path, size: tuple[int, int] = SIZE, samples: Sequence[int] | None = None
-) -> dict[str, Any]:
-    """Trace and write both files of a view; the facts that the JSON holds. samples: for each of LIGHTS."""
+def make(view: View, folder: Path, size: tuple[int, int] = SIZE) -> dict[str, Any]:
+    """Trace and write both files of a view to `folder`; the facts that the JSON holds."""
     start = time.perf_counter()
-    counts = dict(zip(LIGHTS, samples or view.samples or (), strict=True))
+    counts = dict(zip(LIGHTS, view.samples or (), strict=True))
     studio = Studio(scene_of(view), device(), size, view.camera, progress=lambda text: print(text, file=sys.stderr))
     found = {light: traced(view, studio, light, counts[light]) for light in LIGHTS}
     whole = found["all_indirect"]

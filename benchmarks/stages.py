@@ -1,0 +1,55 @@
+"""What each stage of a frame costs, by technique: frames of all take turns, so that the machine disturbs them alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from octolux.compare.choices import choice
+from octolux.renderer import Renderer
+from octolux.scene.scene import Scene
+
+from .comparison_set import TECHNIQUES, VIEWS, scene_of
+from .lab import device
+from .registry import figure
+
+SIZE, FRAMES, WARM_UP = (1280, 720), 7, 2
+
+
+def interleaved_stages(
+    scene: Scene, camera: str, techniques: Sequence[str], size: tuple[int, int], frames: int
+) -> dict[str, dict[str, float]]:
+    """Median ms of every stage, and of the whole `frame`, by technique."""
+    made = {}
+    for text in techniques:
+        one = choice(text)
+        made[text] = Renderer(scene, one.technique, settings=one.settings, size=size, device=device(), profile=True)
+    for number in range(WARM_UP + frames):
+        for renderer in made.values():
+            if number == WARM_UP:
+                renderer.profiler.clear()
+            renderer.render(camera)
+    found = {}
+    for text, renderer in made.items():
+        found[text] = {row["name"]: row["median_ms"] for row in renderer.profiler.stages()}
+        found[text]["frame"] = renderer.profiler.frame_ms()["median"]
+    return found
+
+
+def _stages(name: str) -> dict[str, float]:
+    view = VIEWS[name]
+    found = interleaved_stages(scene_of(view), view.camera, ("none", *TECHNIQUES), SIZE, FRAMES)
+    return {
+        f"{text}.{stage.replace(' ', '_')}": time for text, stages in found.items() for stage, time in stages.items()
+    }
+
+
+@figure("stages_atrium", group="stages", unit="ms")
+def stages_atrium() -> dict[str, float]:
+    """Stages of a frame of the atrium at 1280x720 by technique: medians of frames that take turns."""
+    return _stages("atrium")
+
+
+@figure("stages_crytek_lamps", group="stages", unit="ms")
+def stages_crytek_lamps() -> dict[str, float]:
+    """The same for Crytek Sponza under three point lights, each with six views of RSMs."""
+    return _stages("crytek_lamps")
