@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi, sqrt
+from math import cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -93,14 +93,17 @@ def test_nvidia_with_an_amplifier_of_3_is_the_thesis():
 
 
 def test_the_cone_of_2009_sends_what_the_listing_sends():
-    """The listing: cone c, target += c * max(0, S . c). Ours is that over its gain, 6 |cone|^2 / (4 pi)."""
-    cone = harmonics.project(lambda w: (w[:, 0] > np.sqrt(0.5)).astype(float), 400)
-    lobe = harmonics.cosine_lobe([1.0, 0.0, 0.0])
+    """The listing: a cone of half angle a has the zonal coefficients 2 sqrt(pi) (1 - cos a) / 2 and
+    2 sqrt(pi / 3) * 3/4 sin^2 a, and target += cone * max(0, S . cone). Its gain is 6 solid angle^2 / (4 pi) = 1.617,
+    ours 1."""
+    angle = pi / 4.0
+    solid_angle = 2.0 * pi * (1.0 - cos(angle))
+    cone = np.array([sqrt(pi) * (1.0 - cos(angle)), 0.0, 0.0, 1.5 * sqrt(pi / 3.0) * sin(angle) ** 2])
+    lobe = harmonics.cosine_lobe([0.8, 0.6, 0.0])
+    gain = 6.0 * solid_angle**2 / (4.0 * pi)
+    assert gain == pytest.approx(1.617, abs=5e-4)
     after = PROPAGATORS["cone-2009"].step(one_cell(lobe))[2, 2, 3]
-    solid_angle = 2.0 * pi * (1.0 - sqrt(0.5))
-    listing = cone * (lobe @ cone)
-    # The quadrature meets the cone's edge in z by 1/400 of the sphere at worst.
-    np.testing.assert_allclose(after * 6.0 * solid_angle**2 / (4.0 * pi), listing, rtol=0.02, atol=0.01)
+    np.testing.assert_allclose(gain * after, cone * (lobe @ cone), atol=1e-14)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -233,3 +233,19 @@ def test_a_bad_action_leaves_the_state_alone():
     with pytest.raises(SimulationError):
         simulation.inject(Wall("x", 9))
     assert simulation.state is before and not simulation.undoable
+
+
+def test_light_that_grows_for_ever_is_an_error():
+    """Of a factor of 100 not all leaves the volume in a step; nothing of the action is done then."""
+    simulation = Simulation(4, propagator="clpv", factor=100.0)
+    simulation.set_injectors([Element((1, 1, 1))])
+    with pytest.raises(SimulationError, match="without bound"):
+        simulation.run(200)
+    assert not simulation.state.sum[0].any()
+
+
+@pytest.mark.parametrize("length", [5e-324, 1e-200, 1e300])
+def test_directions_of_any_length(length):
+    simulation = Simulation(4)
+    simulation.inject(Element((1, 1, 1), (0.0, length, 0.0)))
+    np.testing.assert_allclose(simulation.state.source[0][1, 1, 1], harmonics.cosine_lobe([0.0, 1.0, 0.0]) / pi)

@@ -62,6 +62,7 @@ def coefficients(direction: Direction, multiplier: float, scales: Scales) -> np.
     if direction is None or isinstance(direction, str):
         return multiplier * scales.isotropic * ISOTROPIC
     vector = np.asarray(direction, dtype=np.float64)
+    vector = vector / np.abs(vector).max()  # so that neither tiny nor huge ones lose their length
     return multiplier * scales.lobe * harmonics.cosine_lobe(vector / np.linalg.norm(vector))
 
 

@@ -85,7 +85,7 @@ def error_figure(rows: Sequence[dict[str, float]]) -> Figure:
         axes.set_title(title, fontsize=10)
         axes.set_xlabel("iteration")
         if not title.startswith("centre"):
-            axes.set_ylim(bottom=0.0)
+            axes.set_ylim(0.0, 1.05 * axes.get_ylim()[1])
         axes.grid(alpha=0.3)
         if axes.lines:
             axes.legend(fontsize=8)

@@ -17,9 +17,9 @@ from .injectors import Injector
 from .propagators import PROPAGATORS, Propagator
 from .state import State
 
-HISTORY_BYTES = 256 * 2**20
+HISTORY_BYTES = 2**30
 LARGEST = 128
-"""Cells along each side that a simulation may have: its octrees then take 0.2 GiB each."""
+"""Cells along each side that a simulation may have: a state then takes 0.4 GiB, and a step 3 GiB while it is made."""
 
 
 class Simulation:

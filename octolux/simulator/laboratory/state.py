@@ -23,6 +23,9 @@ Levels = tuple[np.ndarray, ...]
 OCTREES = ("source", "target", "sum")
 """What there is to look at."""
 
+BRIGHTEST = 1e100
+"""Largest coefficient that a step may make; a factor above 1 / gain grows for ever, and float64 ends at 1e308."""
+
 
 @dataclass(frozen=True, eq=False)
 class State:
@@ -140,6 +143,8 @@ def propagated(state: State) -> State:
         )
         for level, factor, corners in zip(source, state.factors, state.geometry, strict=True)
     )  # fmt: skip
+    if max(float(np.abs(level).max()) for level in target) > BRIGHTEST:
+        raise SimulationError("light grows without bound", "lower the propagation factor, or the multipliers")
     return replace(
         state, source=source, target=target, index=_marked(state, target), iterations=state.iterations + 1
     )  # fmt: skip
