@@ -9,13 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from ..gpu.bindings import storage, storage_rw, uniform
+import wgpu
+
+from ..gpu.bindings import storage, storage_rw, storage_texture, uniform
 from ..gpu.device import Device
 from ..gpu.passes import ComputePass
 from .scan import BLOCK, PARAMETERS, PrefixSum, parameters
 
 # Neighbours looked at on either side. Meister and Bittner, section 4: beyond 16 trees hardly get better.
 RADIUS = 16
+_ROW_BITS = 10  # words of a row of the clusters' textures
 _ROUNDS = 4  # between two readbacks; a round leaves about 5/6 of the clusters of Crytek Sponza
 
 
@@ -34,22 +37,23 @@ class Ploc:
         self.device = device
         self._sums = PrefixSum(device, "vec2u")
         given, clusters, nearest = (
-            uniform("parameters", PARAMETERS), storage("clusters", "vec4u"), storage("nearest", "u32"),
+            uniform("parameters", PARAMETERS), storage_texture("clusters", "rgba32uint", access="read"),
+            storage("nearest", "u32"),
         )  # fmt: skip
         tree, sizes = storage_rw("tree", "vec4u"), storage_rw("sizes", "u32")
 
         def make(name: str, bindings: list[Any]) -> ComputePass:
             return ComputePass(
                 device, f"BVH {name}", f"raytracing/ploc_{name}.wgsl", [given, *bindings], structs=[PARAMETERS],
-                workgroup=(64, 1, 1), radius=RADIUS, block=BLOCK,
+                workgroup=(64, 1, 1), radius=RADIUS, block=BLOCK, row_bits=_ROW_BITS,
             )  # fmt: skip
 
         keys, boxes = storage("keys", "vec4u"), storage("boxes", "vec4u")
-        self._start = make("start", [keys, boxes, storage_rw("clusters", "vec4u"), tree])
+        self._start = make("start", [keys, boxes, storage_texture("clusters", "rgba32uint"), tree])
         self._nearest = make("nearest", [clusters, storage_rw("nearest", "u32")])
         self._count = make("count", [nearest, storage_rw("values", "vec2u")])
         self._merge = make("merge", [nearest, clusters, storage("values", "vec2u"), storage("totals", "vec2u"),
-                                     storage_rw("merged", "vec4u"), tree, sizes])  # fmt: skip
+                                     storage_texture("merged", "rgba32uint"), tree, sizes])  # fmt: skip
         self._advance = ComputePass(
             device, "BVH advance", "raytracing/ploc_advance.wgsl",
             [storage("totals", "vec2u"), storage_rw("state", "vec4u")], workgroup=(1, 1, 1), block=BLOCK,
@@ -63,7 +67,7 @@ class Ploc:
         """
         device = self.device
         tree, sizes = device.buffer("BVH build", size=64 * count), device.buffer("BVH build", size=4 * count)
-        clusters, merged = (device.buffer("BVH build", size=32 * count) for _ in range(2))
+        clusters, merged = (self._clusters(count) for _ in range(2))
         nearest, sums = device.buffer("BVH build", size=4 * count), self._sums.sums(count)
         with submitted() as stage:
             self._start.run(stage, (count,), parameters=parameters(device, count), keys=keys, boxes=boxes,
@@ -81,3 +85,8 @@ class Ploc:
                     clusters, merged = merged, clusters
             left = memoryview(device.queue.read_buffer(state, 0, 4)).cast("B").cast("I")[0]
         return BinaryTree(tree, sizes)
+
+    def _clusters(self, count: int) -> Any:
+        """A texture for `count` clusters (ploc_clusters.wgsl): neighbours are read far more often than written."""
+        size = (1 << _ROW_BITS, -(-2 * count // (1 << _ROW_BITS)))
+        return self.device.texture("BVH build", size, "rgba32uint", usage=wgpu.TextureUsage.STORAGE_BINDING)

@@ -1,4 +1,5 @@
 // PLOC, step 3: pairs become nodes of the binary tree, numbered in the order of their clusters; what stays closes up.
+{{ use("raytracing/ploc_clusters.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -8,11 +9,11 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let mutual = other != i && nearest[other] == i;
     if mutual && other < i { return; }
     let place = values[i] + totals[i / {{ block }}u];
-    var low = clusters[2u * i];
-    var high = clusters[2u * i + 1u];
+    var low = textureLoad(clusters, cluster_word(2u * i));
+    var high = textureLoad(clusters, cluster_word(2u * i + 1u));
     if mutual {
-        let second_low = clusters[2u * other];
-        let second_high = clusters[2u * other + 1u];
+        let second_low = textureLoad(clusters, cluster_word(2u * other));
+        let second_high = textureLoad(clusters, cluster_word(2u * other + 1u));
         let number = parameters.first + place.y;
         let joined_low = bitcast<vec3u>(min(bitcast<vec3f>(low.xyz), bitcast<vec3f>(second_low.xyz)));
         let joined_high = bitcast<vec3u>(max(bitcast<vec3f>(high.xyz), bitcast<vec3f>(second_high.xyz)));
@@ -23,6 +24,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         low = vec4u(joined_low, number);
         high = vec4u(joined_high, count);
     }
-    merged[2u * place.x] = low;
-    merged[2u * place.x + 1u] = high;
+    textureStore(merged, cluster_word(2u * place.x), low);
+    textureStore(merged, cluster_word(2u * place.x + 1u), high);
 }
