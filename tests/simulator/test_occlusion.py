@@ -75,7 +75,7 @@ def test_what_is_blocked_is_lost():
     cells = np.zeros((8, 8, 8, 4))
     cells[4, 4, 4] = harmonics.cosine_lobe([0.0, 0.6, 0.8])
     passed = occlusion.transmittance(corners, propagator)
-    after = propagator.step(cells, transmittance=passed)
+    after = propagator.step(cells, corners=corners)
     assert harmonics.flux(after).sum() == pytest.approx((propagator.flux(cells) * passed)[4, 4, 4].sum())
     assert harmonics.flux(after).sum() == pytest.approx(0.7 * harmonics.flux(cells).sum())
 
@@ -96,3 +96,14 @@ def test_occluders_add_up_and_have_every_level():
     simulation.set_occluders([Element((2, 2, 2)), Element((2, 2, 2), multiplier=0.5)])
     assert [level.shape[0] for level in simulation.state.geometry] == [9, 5, 3, 2]
     assert harmonics.evaluate(simulation.state.geometry[0][2, 2, 2], [0.0, 1.0, 0.0]) == pytest.approx(1.5)
+
+
+def test_slabs_do_not_show():
+    """64 cells along each side are worked on in slabs of two, a smaller volume within it in one."""
+    rng = np.random.default_rng(7)
+    inner, corners = rng.random((16, 16, 16, 4)), 0.1 * rng.random((17, 17, 17, 4))
+    large, large_corners = np.zeros((64, 64, 64, 4)), np.zeros((65, 65, 65, 4))
+    large[7:23, 9:25, 11:27], large_corners[7:24, 9:26, 11:28] = inner, corners
+    for name in ("clpv", "dom26"):
+        found = PROPAGATORS[name].step(large, corners=large_corners)[7:23, 9:25, 11:27]
+        np.testing.assert_allclose(found, PROPAGATORS[name].step(inner, corners=corners), atol=1e-14)

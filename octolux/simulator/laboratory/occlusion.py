@@ -11,11 +11,14 @@ takes A/s^2 = 4/3.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from octolux.simulator import sh as harmonics
 
-from .propagators import Propagator
+if TYPE_CHECKING:
+    from .propagators import Propagator
 
 
 def coarser(corners: np.ndarray) -> np.ndarray:
@@ -43,7 +46,8 @@ def levels(corners: np.ndarray, count: int) -> tuple[np.ndarray, ...]:
 
 
 def halfway(corners: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """B [z][y][x][4] halfway from each of the n^3 cells to its neighbour at `offset` (x, y, z), each -1, 0 or 1."""
+    """B [z][y][x][4] halfway from each cell to its neighbour at `offset` (x, y, z), each -1, 0 or 1; `corners` are one
+    more along each side."""
     for axis, step in enumerate(offset[::-1]):
         low, high = np.moveaxis(corners, axis, 0)[:-1], np.moveaxis(corners, axis, 0)[1:]
         here = 0.5 * (low + high) if step == 0 else high if step > 0 else low
@@ -52,9 +56,9 @@ def halfway(corners: np.ndarray, offset: np.ndarray) -> np.ndarray:
 
 
 def transmittance(corners: np.ndarray, propagator: Propagator) -> np.ndarray:
-    """Share of the light that passes from each cell along each of the propagator's L links: [z][y][x][L], in [0, 1]."""
-    n = corners.shape[0] - 1
-    result = np.empty((n, n, n, len(propagator.offsets)))
+    """Share of the light that passes from each cell along each of the propagator's L links: [z][y][x][L], in [0, 1];
+    `corners` [z][y][x][4] are one more along each side."""
+    result = np.empty((*(size - 1 for size in corners.shape[:3]), len(propagator.offsets)))
     basis = harmonics.basis(propagator.directions)
     for offset in np.unique(propagator.offsets, axis=0):
         links = np.flatnonzero((propagator.offsets == offset).all(axis=1))

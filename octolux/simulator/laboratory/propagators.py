@@ -18,6 +18,8 @@ import numpy as np
 from octolux.simulator import sh as harmonics
 from octolux.simulator.lpv import propagation, transfer
 
+from . import occlusion
+
 
 @dataclass(frozen=True, eq=False)
 class Propagator:
@@ -37,17 +39,37 @@ class Propagator:
     lobes: np.ndarray
     flux: Callable[[np.ndarray], np.ndarray]
 
-    def step(self, cells: np.ndarray, factor: float = 1.0, transmittance: np.ndarray | None = None) -> np.ndarray:
-        """S_(i-1) to S_i, both [z][y][x][4]; all flux times `factor`, and times `transmittance` [z][y][x][L], the share
-        that passes from each cell along each link. Light that leaves the volume is lost."""
-        sent = factor * self.flux(cells)
-        if transmittance is not None:
-            sent = sent * transmittance
+    def step(self, cells: np.ndarray, factor: float = 1.0, corners: np.ndarray | None = None) -> np.ndarray:
+        """S_(i-1) to S_i, both [z][y][x][4]; all flux times `factor`. corners: the geometry volume [z][y][x][4], n + 1
+        along each side, that light has to pass (`occlusion`). Light that leaves the volume is lost.
+
+        It goes by slabs of z whose flux fits into a processor's cache.
+        """
         result = np.zeros(np.shape(cells))
-        for offset in np.unique(self.offsets, axis=0):
-            links = np.flatnonzero((self.offsets == offset).all(axis=1))
-            result += propagation.shifted(sent[..., links] @ self.lobes[links], offset)
+        thickness = max(1, _SLAB_CELLS // cells.shape[1] ** 2)
+        groups = [(o, np.flatnonzero((self.offsets == o).all(axis=1))) for o in np.unique(self.offsets, axis=0)]
+        for low in range(0, len(cells), thickness):
+            sent = factor * self.flux(cells[low : low + thickness])
+            if corners is not None:
+                sent *= occlusion.transmittance(corners[low : low + thickness + 1], self)
+            for offset, links in groups:
+                _add_shifted(result, sent[..., links] @ self.lobes[links], low, offset)
         return result
+
+
+_SLAB_CELLS = 8192
+
+
+def _add_shifted(result: np.ndarray, slab: np.ndarray, low: int, offset: np.ndarray) -> None:
+    """Add `slab` [z][y][x][4], which begins at z = `low`, to `result` moved by `offset` (x, y, z), in place."""
+    x, y, z = (int(step) for step in offset)
+    n, start = len(result), low + z
+    first, end = max(0, -start), min(len(slab), n - start)
+    if first >= end:
+        return
+    inside = [(slice(max(0, step), n + min(0, step)), slice(max(0, -step), n - max(0, step))) for step in (y, x)]
+    (to_y, from_y), (to_x, from_x) = inside
+    result[start + first : start + end, to_y, to_x] += slab[first:end, from_y, from_x]
 
 
 def _faces(name: str, meaning: str, source: str, evaluation: str, reprojection: str, gain: float = 1.0) -> Propagator:

@@ -19,7 +19,7 @@ from .state import State
 
 HISTORY_BYTES = 2**30
 LARGEST = 128
-"""Cells along each side that a simulation may have: a state then takes 0.4 GiB, and a step 3 GiB while it is made."""
+"""Cells along each side that a simulation may have: a state then takes 0.5 GiB."""
 
 
 class Simulation:

@@ -138,9 +138,7 @@ def propagated(state: State) -> State:
     source = state.current
     blocks = state.iterations > 0 and state.occluded
     target = _frozen(
-        state.propagator.step(
-            level, factor, occlusion.transmittance(corners, state.propagator) if blocks else None
-        )
+        state.propagator.step(level, factor, corners if blocks else None)
         for level, factor, corners in zip(source, state.factors, state.geometry, strict=True)
     )  # fmt: skip
     if max(float(np.abs(level).max()) for level in target) > BRIGHTEST:

@@ -76,7 +76,7 @@ def reprojection_lobes(reprojection: str = "face") -> np.ndarray:
     return harmonics.cosine_lobe(transfer.NORMALS if reprojection == "face" else transfer.CENTRE_DIRECTIONS) / pi
 
 
-def shifted(cells: np.ndarray, direction: np.ndarray) -> np.ndarray:
+def _shifted(cells: np.ndarray, direction: np.ndarray) -> np.ndarray:
     """`cells` [z][y][x]... as seen by the neighbours along `direction` (x, y, z): zero where there is no source."""
     moved = np.zeros_like(cells)
     source = tuple(slice(max(0, -d), cells.shape[i] - max(0, d)) for i, d in enumerate(direction[::-1]))
@@ -95,7 +95,7 @@ def step(sh, gain: float = 1.0, evaluation: str = "clamped", reprojection: str =
     flux = gain * face_flux(sh, evaluation)
     result = np.zeros(np.shape(sh))
     for travel, direction in enumerate(transfer.DIRECTIONS):
-        result += shifted(flux[..., travel, :] @ lobes[travel], direction)
+        result += _shifted(flux[..., travel, :] @ lobes[travel], direction)
     return result
 
 
