@@ -59,8 +59,8 @@ def cone_transmittance(geometry: Sequence[np.ndarray], start, end, node_size) ->
 
     Each step crosses one layer of cells of its level, along the direction's longest component: it is blocked by the
     cell's shares a.|u| times the length of the step, at most wholly. A wall across the step blocks exactly all.
-    The first cell before `start` and the last before the node's edge are left out: they hold the surfaces that the
-    light comes from and goes to, half a cell behind either point.
+    The first cell from `start` is left out, and before `end` half the node, which is where its own surfaces lie, or a
+    cell: they are what the light comes from and goes to, each up to half a cell behind its point in both directions.
     """
     start, end = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
     node_size = np.broadcast_to(node_size, start.shape[:1])
@@ -68,7 +68,7 @@ def cone_transmittance(geometry: Sequence[np.ndarray], start, end, node_size) ->
     towards = (end - start) / np.where(distance > 0.0, distance, 1.0)[:, None]
     longest = np.maximum(np.abs(towards).max(axis=-1), 1e-6)
     passed, travelled = np.ones(len(start)), 1.0 / longest
-    last = distance - node_size / longest
+    last = distance - np.maximum(1.0, 0.5 * node_size) / longest
     while (inside := travelled < last).any():
         level = np.clip(np.floor(np.log2(travelled / CONE_LENGTH)), 0, len(geometry) - 1).astype(int)
         step = 2.0**level / longest

@@ -8,7 +8,7 @@
 fn passing(point: vec3f, towards: vec3f, distance: f32, node_size: f32) -> f32 {
     let size = abs(towards);
     let longest = max(max(size.x, size.y), max(size.z, 1e-6));
-    let last = distance - node_size / longest;
+    let last = distance - max(1.0, 0.5 * node_size) / longest;
     var passed = 1.0;
     var travelled = 1.0 / longest;
     while travelled < last && passed > {{ opaque }} {
