@@ -6,7 +6,7 @@ The same shapes are occluders when they are added as such: then they fill the co
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import pi, sqrt
 from pathlib import Path
 from typing import NamedTuple, Protocol
@@ -149,7 +149,7 @@ class Wall:
 class FromArray:
     """Coefficients [z][y][x][4] given whole: intensity, or blocking. `name` says where they came from."""
 
-    coefficients: np.ndarray
+    coefficients: np.ndarray = field(repr=False)
     multiplier: float = 1.0
     name: str = "array"
 
