@@ -69,9 +69,9 @@ fn bvh_turned(v: vec3f, axis: u32) -> vec3f {
     return select(select(v, v.zxy, axis == 1u), v.yzx, axis == 0u);
 }
 
-// The four boxes of the node `current` (refit_nodes.wgsl): on with the nearest that is met, the others wait on the
-// stack, the farthest lowest.
-{% macro meet_boxes() %}
+// The four boxes of the node `current` (refit_nodes.wgsl): on with the one of the lowest rank that is met, the others wait
+// on the stack, the highest lowest. The rank is how near it is.
+{% macro meet_boxes(any) %}
             {% if bvh_counts is defined %}
             bvh_visits.x++;
             {% endif %}
@@ -98,8 +98,15 @@ fn bvh_turned(v: vec3f, axis: u32) -> vec3f {
             );
             let kinds = w0.w >> 24u | (w1.x >> 24u) << 8u;
             let there = (near <= far) & ((vec4u(kinds) & vec4u(15u, 240u, 3840u, 61440u)) != vec4u(0u));
-            // Which child it is stands in the lowest bits of how near it is, so that sorting moves one word.
-            let keys = select(vec4i(BVH_MISSED), (near & vec4i(-4)) | vec4i(0, 1, 2, 3), there);
+            // Which child it is stands in the lowest bits of its rank, so that sorting moves one word.
+            {% if any %}
+            // Where any hit will do, the nearest is not the likeliest: first the leaves, which may end the search at once.
+            let inner = (vec4u(kinds) & vec4u(8u, 128u, 2048u, 32768u)) != vec4u(0u);
+            let ranks = vec4i(0, 4, 8, 12) + select(vec4i(0), vec4i(16), inner);
+            {% else %}
+            let ranks = near & vec4i(-4);
+            {% endif %}
+            let keys = select(vec4i(BVH_MISSED), ranks | vec4i(0, 1, 2, 3), there);
             let lesser = min(keys.xz, keys.yw);
             let greater = max(keys.xz, keys.yw);
             let first = min(lesser.x, lesser.y);
@@ -198,7 +205,7 @@ fn bvh_turned(v: vec3f, axis: u32) -> vec3f {
     loop {
         loop {
             if current < BVH_LEAF {
-                {{ meet_boxes() }}
+                {{ meet_boxes(any) }}
             }
             continuing { break if current >= BVH_LEAF; }
         }
