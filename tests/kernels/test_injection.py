@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 from gpu_tools import largest_cell_error, one_stage, random_directions, read_buffer
@@ -10,8 +13,14 @@ from octolux.frame.structs import VPL
 from octolux.simulator.camera import pack_normals, unpack_normals
 from octolux.simulator.grid import Grid
 from octolux.simulator.lpv import injection as reference
+from octolux.simulator.sh import COSINE_LOBE_1
 from octolux.techniques.lpv.constants import pack_grid
-from octolux.techniques.lpv.injection import Injection, VplSource
+from octolux.techniques.lpv.injection import RUN, Injection, VplSource
+from octolux.techniques.lpv.sources import MIN_STEPS, group_sources
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # benchmarks is not installed
+
+from benchmarks.injection import OneAddEach
 
 N = 16
 GRID = Grid((-1.0, -0.5, 2.0), 0.25, N)
@@ -142,3 +151,98 @@ def test_nothing_of_a_frame_is_left_for_the_next(device, injection):
     run(device, injection, [faint], [total])
     after, _ = run(device, injection, [bright], [total])
     assert np.array_equal(alone, after)
+
+
+def clustered_vpls(rng, count: int) -> np.ndarray:
+    """Neighbours mostly in one cell, with steps to other cells and back, some of them outside the grid."""
+    vpls = random_vpls(rng, count, 1.0)
+    cells = np.repeat(rng.integers(-1, N + 1, (count, 3)), rng.integers(1, 12, count), axis=0)[:count]
+    cells[1::5] = cells[::5][: len(cells[1::5])] + 1
+    vpls["position"] = GRID.origin + GRID.cell_size * (cells + rng.uniform(0.01, 0.99, (count, 3)))
+    vpls["position"] -= 0.5 * GRID.cell_size * unpack_normals(vpls["normal"])
+    return vpls
+
+
+def words(device, injection, vpls, sources) -> np.ndarray:
+    """All bits of the injected light, and the peak's."""
+    with one_stage(device) as stage:
+        injection.run(stage, device.uniform("grid", pack_grid(GRID)), device.buffer("vpls", vpls), sources)
+    return np.concatenate([read_buffer(device, b, np.uint32) for b in (injection.injected, injection.peak)])
+
+
+@pytest.fixture(scope="module")
+def baseline(device):
+    return OneAddEach(device, N)
+
+
+@pytest.mark.parametrize("width", [1, 7, 64, 5000])
+@pytest.mark.parametrize("count", [1, RUN, 1000, 4096])
+def test_bits_are_those_of_one_atomic_add_for_each_coefficient(device, injection, baseline, count, width):
+    """Integers add in any order. Also rows that do not fill blocks, a width that is not the map's, and fewer VPLs than
+    a thread's run; the VPLs behind those of the source are not its own."""
+    rng = np.random.default_rng(count + width)
+    for vpls in (clustered_vpls(rng, count + 9), random_vpls(rng, count + 9, 1.0)):
+        sources = [VplSource(5, count, np.full(3, 1.0), width=width)]
+        expected = words(device, baseline, vpls, sources)
+        assert count == 1 or expected.any()
+        assert np.array_equal(words(device, injection, vpls, sources), expected)
+
+
+def test_lights_that_share_a_scale(device, injection):
+    """Six lights of like flux, one of them apart in the buffer and one with a factor of its own: one scale, in which
+    every coefficient of every VPL is wrong by at most half a step, but for the rounding of float32."""
+    rng = np.random.default_rng(10)
+    totals, counts = [1.0, 2.0, 0.5, 3.0, 1.0, 2.0], [900, 1000, 700, 800, 640, 500]
+    factors = [1 / np.pi] * 5 + [1.0]
+    starts = np.cumsum([0, *counts])
+    vpls = np.concatenate([random_vpls(rng, c, t) for c, t in zip(counts, totals, strict=True)])
+    sources = [
+        VplSource(int(s), c, np.full(3, t), f, width=20)
+        for s, c, t, f in zip(starts, counts, totals, factors, strict=False)
+    ]
+    sources.append(sources.pop(1))
+    (group,) = group_sources(sources)
+    assert len(group.pack()) == 2  # five lights that follow one another, and the one with another factor
+    words(device, injection, vpls, sources)
+    found = read_buffer(device, injection.injected).reshape(N, N, N, 3, 4)
+    lights = [vpls[s : s + c] for s, c in zip(starts, counts, strict=False)]
+    expected = sum(reference.inject(*arguments(v), f) for v, f in zip(lights, factors, strict=True))
+    step = 1 / reference.fixed_point_scale(np.dot(totals, factors), len(vpls), 1.0)
+    per_cell = reference._scatter(np.ones((len(vpls), 3, 4)), reference.vpl_cells(*arguments(vpls)[:2], GRID), N)
+    # Each float32 product has four roundings of 2^-24 and the normal's six (simulator/lpv/injection.py), as has the sum
+    # of a cell one; the terms of a coefficient are no larger than those of band 0 times 2 / sqrt(3).
+    slack = reference.ARITHMETIC_SLACK * expected[..., :1] * 2 / np.sqrt(3)
+    assert np.all(np.abs(found - expected) <= 0.5 * step * per_cell + slack)
+
+
+def grouped(fluxes, counts):
+    starts = np.cumsum([0, *counts])
+    sources = [VplSource(int(s), c, np.array(f)) for s, c, f in zip(starts, counts, fluxes, strict=False)]
+    return sources, group_sources(sources)
+
+
+def test_a_scale_is_shared_only_where_every_light_keeps_its_steps():
+    """For any lights: each with VPLs in one group, no sum overflows, and a mean VPL of who shares has MIN_STEPS."""
+    rng = np.random.default_rng(11)
+    for _ in range(50):
+        lights = rng.integers(1, 40)
+        colors = rng.uniform(0, 1, (lights, 3)) * rng.integers(0, 2, (lights, 3))
+        fluxes = 10 ** rng.uniform(-3, 3, (lights, 1)) * colors
+        sources, groups = grouped(fluxes, rng.integers(0, 70000, lights).tolist())
+        assert sorted(s.first for g in groups for s in g.sources) == [s.first for s in sources if s.count]
+        for group in groups:
+            flux = sum(s.total_flux * s.intensity_per_flux for s in group.sources)
+            scale = 1.0 / group.pack()[0]["to_intensity"][0].astype(np.float64)
+            count = sum(s.count for s in group.sources)
+            assert np.all(scale * flux * COSINE_LOBE_1 + count / 2 <= 2**31)
+            for s in group.sources if len(group.sources) > 1 else []:
+                mean = s.total_flux * s.intensity_per_flux / s.count
+                # Of the room half is lost to the power of two at most, and by `count` 70000 * 40 / 2 of 2^31.
+                assert np.all((mean == 0) | (scale * COSINE_LOBE_1 * mean >= 0.998 * MIN_STEPS))
+
+
+def test_a_sun_and_a_sky_are_two_groups():
+    """32 lights of 4096 VPLs share; a sun a hundred times as bright as one of them would take their steps."""
+    _, groups = grouped([[2e7] * 3, *[[3e5] * 3] * 32], [65536] + [4096] * 32)
+    assert [len(g.sources) for g in groups] == [32, 1]
+    assert [len(g.pack()) for g in groups] == [1, 1]

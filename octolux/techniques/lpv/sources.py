@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import inf, pi
 
 import numpy as np
@@ -38,15 +38,21 @@ class SourceGroup:
     total: per channel, W/sr but for the lobe's factor, at least the sum of all.  least: the smallest mean of a light.
     """
 
-    sources: list[VplSource] = field(default_factory=list)
-    total: tuple[float, ...] = (0.0, 0.0, 0.0)
-    least: tuple[float, ...] = (inf, inf, inf)
+    sources: list[VplSource]
+    total: tuple[float, ...]
+    least: tuple[float, ...]
+
+    @staticmethod
+    def bounds(source: VplSource) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """`total` and `least` of one light alone."""
+        total = tuple(float(f) * source.intensity_per_flux for f in source.total_flux)
+        return total, tuple(f / source.count if f > 0.0 else inf for f in total)
 
     def joined_by(self, source: VplSource) -> SourceGroup | None:
         """The group with one light more, or None where one of them would have too few steps."""
-        flux = [float(f) * source.intensity_per_flux for f in source.total_flux]
-        total = tuple(a + b for a, b in zip(self.total, flux, strict=True))
-        least = tuple(min(a, f / source.count if f > 0.0 else inf) for a, f in zip(self.least, flux, strict=True))
+        more, mean = self.bounds(source)
+        total = tuple(a + b for a, b in zip(self.total, more, strict=True))
+        least = tuple(map(min, self.least, mean))
         # The scale makes at least half of the largest int32 of `total`: it is rounded down to a power of two.
         if any(0.5 * INT32_MAX * a < MIN_STEPS * b for a, b in zip(least, total, strict=True)):
             return None
@@ -85,6 +91,5 @@ def group_sources(sources: Sequence[VplSource]) -> list[SourceGroup]:
                 groups[number] = joined
                 break
         else:
-            flux = tuple(float(f) * source.intensity_per_flux for f in source.total_flux)
-            groups.append(SourceGroup([source], flux, tuple(f / source.count if f > 0.0 else inf for f in flux)))
+            groups.append(SourceGroup([source], *SourceGroup.bounds(source)))
     return groups
