@@ -15,8 +15,8 @@ from octolux.techniques.settings import suggest
 # Where figures are; a new file of figures is one more name here. Their order is the table's.
 MODULES = (
     "closed_form", "injected_flux", "readings", "kernels", "light_kernels", "determinism", "ground_truth",
-    "comparison", "stages", "propagation", "shadow_faces", "raytracing", "path_tracing", "crytek", "loading",
-    "bad_input", "mutated", "live", "sequences",
+    "comparison", "stages", "injection", "propagation", "shadow_faces", "raytracing", "path_tracing", "crytek",
+    "loading", "bad_input", "mutated", "live", "sequences", "olpv_kernels", "olpv_table1",
 )  # fmt: skip
 
 
