@@ -48,6 +48,11 @@ class Grid:
         origin = 0.5 * (low + high) - 0.5 * n * cell_size
         return cls(tuple(origin), cell_size, n)
 
+    def moved(self, cells: float) -> Grid:
+        """The same grid, so many cells further along x, y and z."""
+        x, y, z = (o + cells * self.cell_size for o in self.origin)
+        return Grid((x, y, z), self.cell_size, self.n)
+
     def to_cells(self, points) -> np.ndarray:
         """World `points` (..., 3) in units of cells from the origin, float64 (..., 3)."""
         return (np.asarray(points, dtype=np.float64) - self.origin) / self.cell_size

@@ -36,12 +36,12 @@ def random_light(n: int, seed: int = 0) -> np.ndarray:
     return light
 
 
-def run(device, made: Propagation, light: np.ndarray, iterations: int) -> np.ndarray:
+def run(device, made: Propagation, light: np.ndarray, iterations: int, shares=None) -> np.ndarray:
     """The accumulated light in W/sr."""
     peak = np.float32(light[..., 0].max())
     injected, bits = device.buffer("injected", light.astype(np.float32)), device.buffer("peak", np.array([peak]))
     with one_stage(device) as stage:
-        made.run(stage, injected, bits, iterations)
+        made.run(stage, injected, bits, iterations, shares)
     scale = 1.0 if peak == 0 else 2.0 ** (3 - np.floor(np.log2(peak)))
     return read_buffer(device, made.light).reshape(light.shape) / np.float32(scale)
 

@@ -52,6 +52,36 @@ def geometry_levels(finest: np.ndarray, coarsest: int = 1) -> list[np.ndarray]:
     return levels
 
 
+def face_transmittance(shares) -> np.ndarray:
+    """What faces let through in a propagation step: float64 (n + 1, n + 1, n + 1, 3, 3), [z][y][x][axis][travel] of
+    the lower
+    face, across `axis`, of each cell, for light that travels along +-`travel`.
+
+    shares: [z][y][x][3] of a geometry volume that lies half a cell aside, so that four of its cells meet in the
+    middle of
+    a face; their mean is the bilinear value there (CLPV 3.3). Light comes from the neighbour's middle: straight to the
+    far face, and along (2 travel + side) / sqrt(5) to the sides (transfer.CENTRE_DIRECTIONS); a cell blocks shares.|w|
+    of it. Nothing blocks beyond the volume.
+    """
+    n = shares.shape[0]
+    padded = np.zeros((n + 2,) * 3 + (3,))
+    padded[1:-1, 1:-1, 1:-1] = shares
+    result = np.empty((n + 1,) * 3 + (3, 3))
+    for axis in range(3):
+        b, c = (axis + 1) % 3, (axis + 2) % 3
+        corners = []
+        for along_b, along_c in ((0, 0), (1, 0), (0, 1), (1, 1)):
+            first = np.zeros(3, dtype=int)
+            first[b], first[c] = along_b, along_c
+            x, y, z = (slice(f, f + n + 1) for f in first)
+            corners.append(padded[z, y, x])
+        blocked = np.mean(corners, axis=0)
+        for travel in range(3):
+            side = (2.0 * blocked[..., travel] + blocked[..., axis]) / np.sqrt(5.0)
+            result[..., axis, travel] = 1.0 - np.minimum(blocked[..., axis] if travel == axis else side, 1.0)
+    return result
+
+
 def cone_transmittance(geometry: Sequence[np.ndarray], start, end, node_size) -> np.ndarray:
     """Share (M,) of light that passes from points `end` (M, 3) in nodes of `node_size` (M,) to points `start` (M, 3),
     in

@@ -85,31 +85,50 @@ def _shifted(cells: np.ndarray, direction: np.ndarray) -> np.ndarray:
     return moved
 
 
-def step(sh, gain: float = 1.0, evaluation: str = "clamped", reprojection: str = "face") -> np.ndarray:
+def step(
+    sh, gain: float = 1.0, evaluation: str = "clamped", reprojection: str = "face", faces: np.ndarray | None = None
+) -> np.ndarray:
     """One propagation step: S_(i-1) to S_i, both float64 [z][y][x][rgb][4].
 
     `gain` multiplies all flux; `evaluation` and `reprojection` as described at the top of this module.
+    faces: what the cells' faces let through (geometry.face_transmittance), all where None.
     Raises ValueError on an unknown name.
     """
     lobes = reprojection_lobes(reprojection)
     flux = gain * face_flux(sh, evaluation)
     result = np.zeros(np.shape(sh))
     for travel, direction in enumerate(transfer.DIRECTIONS):
-        result += _shifted(flux[..., travel, :] @ lobes[travel], direction)
+        received = _shifted(flux[..., travel, :], direction)
+        if faces is not None:
+            received *= _passing(faces, travel)[..., None, :]
+        result += received @ lobes[travel]
     return result
 
 
+def _passing(faces: np.ndarray, travel: int) -> np.ndarray:
+    """What each cell's faces, in the order of `transfer.FACES[travel]`, let through: [z][y][x][5]."""
+    n = faces.shape[0] - 1
+    passed = []
+    for face in transfer.FACES[travel]:
+        axis, upper = int(face) // 2, int(face) % 2 == 0  # DIRECTIONS: +x -x +y ...
+        x, y, z = (slice(int(upper and a == axis), n + int(upper and a == axis)) for a in range(3))
+        passed.append(faces[z, y, x, axis, travel // 2])
+    return np.stack(passed, axis=-1)
+
+
 def propagate(
-    sh, iterations: int, gain: float = 1.0, evaluation: str = "clamped", reprojection: str = "face"
-) -> np.ndarray:
+    sh, iterations: int, gain: float = 1.0, evaluation: str = "clamped", reprojection: str = "face",
+    faces: np.ndarray | None = None,
+) -> np.ndarray:  # fmt: skip
     """Accumulated light S_0 + S_1 + ... + S_k after k = `iterations` steps from S_0 = `sh` [z][y][x][rgb][4]
-    (Olovsson 2012, 3.2.3, S_A). Raises ValueError on an unknown name or a negative number of iterations."""
+    (Olovsson 2012, 3.2.3, S_A). faces: as in `step`, but not in the first one (CLPV 3.3). Raises ValueError on an
+    unknown name or a negative number of iterations."""
     if iterations < 0:
         raise ValueError(f"the number of iterations cannot be negative, got {iterations}")
     current = np.asarray(sh, dtype=np.float64)
     accumulated = current.copy()
-    for _ in range(iterations):
-        current = step(current, gain, evaluation, reprojection)
+    for number in range(iterations):
+        current = step(current, gain, evaluation, reprojection, faces if number else None)
         accumulated += current
     return accumulated
 

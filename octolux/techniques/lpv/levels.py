@@ -30,19 +30,19 @@ class Levels:
         """Number of the first cell of `level`."""
         return sum(n**3 for n in self.sizes[:level])
 
-    def threads(self, block: tuple[int, int, int] = (1, 1, 1)) -> list[int]:
-        """Threads of each level, one for a block of cells, in whole workgroups."""
-        counts = [prod(n // b for b in block) for n in self.sizes]
+    def threads(self, block: tuple[int, int, int] = (1, 1, 1), beyond: int = 0) -> list[int]:
+        """Threads of each level, one for a block of cells, in whole workgroups. beyond: cells more along each side."""
+        counts = [prod((n + beyond) // b for b in block) for n in self.sizes]
         return [-(-count // WORKGROUP) * WORKGROUP for count in counts]
 
-    def dispatched(self, block: tuple[int, int, int] = (1, 1, 1)) -> tuple[int, int]:
+    def dispatched(self, block: tuple[int, int, int] = (1, 1, 1), beyond: int = 0) -> tuple[int, int]:
         """Threads across and rows of a dispatch over all levels."""
-        total = sum(self.threads(block))
+        total = sum(self.threads(block, beyond))
         return min(total, ROW), -(-total // ROW)
 
-    def described(self, block: tuple[int, int, int] = (1, 1, 1)) -> list[dict[str, Any]]:
+    def described(self, block: tuple[int, int, int] = (1, 1, 1), beyond: int = 0) -> list[dict[str, Any]]:
         """For templates: size, first stored cell, first cell, first thread and the thread after the last."""
-        threads, stored, result = self.threads(block), 0, []
+        threads, stored, result = self.threads(block, beyond), 0, []
         for i, n in enumerate(self.sizes):
             first = sum(threads[:i])
             result.append({"n": n, "stored": stored, "light": self.first(i), "first": first,

@@ -35,18 +35,38 @@ def block_sources(block: tuple[int, int, int] = BLOCK) -> list[dict[str, Any]]:
     return [{"offset": o, "own": own.get(o), "uses": u} for o, u in sources.items()]
 
 
+UNIT = ("1, 0, 0", "0, 1, 0", "0, 0, 1")  # of x, y and z, for templates
+
+
+class _Faces:
+    """`faces`: vec4f as the stored cells lie, three a cell: what its lower faces let through (faces.wgsl)."""
+
+    def __init__(self, device: Device, levels: Levels):
+        self.faces = device.buffer("LPV faces", size=levels.stored * 48)
+        self._threads = levels.dispatched(beyond=1)
+        self._pass = ComputePass(
+            device, "faces", "techniques/lpv/faces.wgsl",
+            [storage("shares", "vec4f"), storage_rw("faces", "vec4f", "write")], workgroup=(WORKGROUP, 1, 1),
+            levels=levels.described(beyond=1), unit=UNIT, row=ROW, evaluation="", access=[],
+        )  # fmt: skip
+
+    def run(self, stage: Any, shares: Any) -> None:
+        self._pass.run(stage, self._threads, shares=shares, faces=self.faces)
+
+
 class Propagation:
     """`light` holds the accumulated light after `run`: vec4f [level][z][y][x][rgb], scaled for storage (cells.wgsl).
 
     sizes: cells along each side of the levels, all of which are propagated by the same dispatches; one is a uniform
     volume. Of a level of one cell all light leaves: it is not propagated.
+    occlusion: the geometry volume dims what passes the cells' faces.
     threshold: with one, `touched` becomes 1 where a level has been brought light (OLPV 4.2, the index volume): a
     contribution of more than that share of the power of two below the largest injected one.
     """
 
     def __init__(
         self, device: Device, sizes: Sequence[int], *, evaluation: str, reprojection: str, gain: float,
-        cell_format: str, threshold: float | None = None,
+        cell_format: str, threshold: float | None = None, occlusion: bool = False,
     ):  # fmt: skip
         self.levels = Levels(sizes)
         self._travelled = Levels([n for n in sizes if n > 1])
@@ -69,7 +89,8 @@ class Propagation:
              storage_rw("cells_out", self.kind, "write"), *(storage_rw(name, "u32") for name in self._marked)],
             workgroup=(WORKGROUP, 1, 1), levels=self.levels.described(), access=["store"], **self._values,
         )  # fmt: skip
-        self._steps: dict[int, ComputePass] = {}
+        self._steps: dict[tuple[int, bool], ComputePass] = {}
+        self._faces = _Faces(device, self.levels) if occlusion else None
         self.last = self._cells[0]
 
     @property
@@ -82,21 +103,25 @@ class Propagation:
         """u32 [level][z][y][x]: 1 where the index volume's I_i is i."""
         return self._marked["touched"]
 
-    def _step(self, adds: int) -> ComputePass:
+    def _step(self, adds: int, occluded: bool) -> ComputePass:
         """The pass that adds so many terms to the sum: none, what it makes, or what it reads as well."""
-        if adds not in self._steps:
+        if (adds, occluded) not in self._steps:
+            faces = [storage("faces", "vec4f")] if occluded else []
             sums = [storage_rw("light", "vec4f"), *(storage_rw(name, "u32") for name in self._marked)] if adds else []
-            self._steps[adds] = ComputePass(
+            self._steps[adds, occluded] = ComputePass(
                 self._device, "propagate", "techniques/lpv/propagation.wgsl",
-                [storage("cells_in", self.kind), storage_rw("cells_out", self.kind, "write"), *sums],
+                [storage("cells_in", self.kind), storage_rw("cells_out", self.kind, "write"), *faces, *sums],
                 workgroup=(WORKGROUP, 1, 1), block=BLOCK, adds=adds, sources=block_sources(),
                 block_cells=list(itertools.product(*(range(b) for b in BLOCK))),
-                levels=self._travelled.described(BLOCK), access=["load", "store"], **self._values,
+                levels=self._travelled.described(BLOCK), access=["load", "store"], occluded=occluded, unit=UNIT,
+                **self._values,
             )  # fmt: skip
-        return self._steps[adds]
+        return self._steps[adds, occluded]
 
-    def run(self, stage: Any, injected: Any, peak: Any, iterations: int) -> None:
-        """Accumulate S_0 to S_k of `injected` (vec4f [level][z][y][x][rgb], W/sr) with k = `iterations`."""
+    def run(self, stage: Any, injected: Any, peak: Any, iterations: int, shares: Any = None) -> None:
+        """Accumulate S_0 to S_k of `injected` (vec4f [level][z][y][x][rgb], W/sr) with k = `iterations`. shares: the
+        geometry volume (vec4f [level][z][y][x]), half a cell aside, with `occlusion`; no step but the first goes
+        without (CLPV 3.3)."""
         source, target = self._cells
         self._start.run(
             stage, self.levels.dispatched(), injected=injected, peak=peak, light=self.light, cells_out=source,
@@ -104,8 +129,13 @@ class Propagation:
         )  # fmt: skip
         threads = self._travelled.dispatched(BLOCK)
         # An odd number of steps begins with one that adds itself; then each second one adds two.
-        for adds in [1] * (iterations % 2) + [0, 2] * (iterations // 2):
-            sums = {"light": self.light, **self._marked} if adds else {}
-            self._step(adds).run(stage, threads, cells_in=source, cells_out=target, **sums)
+        if self._faces:
+            self._faces.run(stage, shares)
+        for number, adds in enumerate([1] * (iterations % 2) + [0, 2] * (iterations // 2)):
+            others = {"light": self.light, **self._marked} if adds else {}
+            if self._faces and number:
+                others["faces"] = self._faces.faces
+            step = self._step(adds, "faces" in others)
+            step.run(stage, threads, cells_in=source, cells_out=target, **others)
             source, target = target, source
         self.last = source

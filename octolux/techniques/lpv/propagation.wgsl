@@ -9,19 +9,21 @@
 
 {% set axes = {"x": "w", "y": "y", "z": "z"} %}
 {% macro within(x) %}{% if clamped %}max(0.0, {{ x }}){% else %}{{ x }}{% endif %}{% endmacro %}
+{# What the geometry volume lets through the face of cell `key` at the upper or lower end of `axis`, to light along `travel`. #}
+{% macro passing(key, axis, upper, travel) %}{% if occluded %}passes_{{ key }}_{{ axis }}{{ upper|int }}.{{ travel }} * {% endif %}{% endmacro %}
 {# Flux that cell `key` receives from the neighbour with emission e when light travels along `sign` `axis`. #}
 {% macro receive(key, axis, sign) %}
     {
         let along = {{ sign }} * e.{{ axes[axis] }};
-        let far = {{ outside_far }} * e.x + {{ within(far0 ~ " * e.x + " ~ far_d ~ " * along") }};
+        let far = {{ passing(key, axis, sign == "1.0", axis) }}({{ outside_far }} * e.x + {{ within(far0 ~ " * e.x + " ~ far_d ~ " * along") }});
         let base = {{ side0 }} * e.x + {{ side_d }} * along;
         let outside = {{ outside_side }} * e.x;
         var sides = 0.0;
         {% for other in "xyz" if other != axis %}
         {
             let across = {{ side_s }} * e.{{ axes[other] }};
-            let up = outside + {{ within("base + across") }};
-            let down = outside + {{ within("base - across") }};
+            let up = {{ passing(key, other, true, axis) }}(outside + {{ within("base + across") }});
+            let down = {{ passing(key, other, false, axis) }}(outside + {{ within("base - across") }});
             sides += up + down;
             vector_{{ key }}.{{ other }} += {{ side_across }} * (up - down);
         }
@@ -42,6 +44,15 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let base = vec3i(block) * vec3i({{ block|join(", ") }});
     {% for cell in block_cells if marks and adds %}
     var largest_{{ loop.index0 }} = 0.0;
+    {% endfor %}
+    {% for cell in block_cells if occluded %}
+    {% set key = loop.index0 %}
+    {% for axis in range(3) %}
+    {% for upper in range(2) %}
+    let passes_{{ key }}_{{ "xyz"[axis] }}{{ upper }} = faces[
+        stored_index(level, base + vec3i({{ cell|join(", ") }}){% if upper %} + vec3i({{ unit[axis] }}){% endif %}, 0u) + {{ axis }}u].xyz;
+    {% endfor %}
+    {% endfor %}
     {% endfor %}
     for (var channel = 0u; channel < 3u; channel++) {
         {% for cell in block_cells %}

@@ -22,7 +22,7 @@ class Stepping:
         self.levels, self._settings = levels, s
         self.propagation = Propagation(
             device, levels.sizes, evaluation=s.evaluation, reprojection=s.reprojection, gain=s.gain,
-            cell_format=s.cell_format, threshold=s.threshold if s.merge == "index" else None,
+            cell_format=s.cell_format, threshold=s.threshold if s.merge == "index" else None, occlusion=s.occlusion,
         )  # fmt: skip
         self.lookup = Lookup(
             device, s.n, reading=s.reading, damping=False, lookup_offset=s.lookup_offset, scale=s.scale
@@ -50,12 +50,12 @@ class Stepping:
             factor=self._ratio**level, ratio=self._ratio, **self.propagation.values,
         )  # fmt: skip
 
-    def run(self, profiler: Any, injected: Any, peak: Any) -> None:
+    def run(self, profiler: Any, injected: Any, peak: Any, shares: Any = None) -> None:
         """From `injected` (W/sr, all levels) to the volumes that the lookup filters."""
         with profiler.stage("propagation") as stage:
             if self._settings.merge == "index":
                 stage.encoder.clear_buffer(self.propagation.touched)
-            self.propagation.run(stage, injected, peak, self._settings.iterations)
+            self.propagation.run(stage, injected, peak, self._settings.iterations, shares)
         with profiler.stage("merge") as stage:
             volumes = {f"{c}_out": self.lookup.volumes[c] for c in CHANNELS}
             if self._settings.merge == "index":

@@ -40,6 +40,7 @@ class OctreeLpv(Technique):
         self.downsampling = Downsampling(device, self.levels, per_cell=3, factor=factor)
         self._grid_buffer = device.uniform("LPV grid", GRID.array(1))
         self.geometry = GeometryVolume(device, self.levels, s.camera_surfels) if s.occlusion else None
+        self._blocker_grid_buffer = device.uniform("LPV grid", GRID.array(1))
         if s.propagation == "gather":
             self.gathering = Gathering(
                 device, self.levels, occlusion=s.occlusion, lookup_offset=s.lookup_offset, everywhere=s.cells == "all"
@@ -51,6 +52,9 @@ class OctreeLpv(Technique):
     def prepare(self, frame: Frame) -> None:
         self.grid = scene_grid(frame, self.settings.n)
         self.device.write(self._grid_buffer, pack_grid(self.grid))
+        # Steps pass cells' faces, in whose corners the geometry volume's cells then lie (CLPV 3.2); gathering marches.
+        aside = 0.5 if self.settings.propagation == "steps" else 0.0
+        self.device.write(self._blocker_grid_buffer, pack_grid(self.grid.moved(aside)))
         if self.settings.propagation == "steps":
             self.stepping.lookup.prepare(frame.pixels)
             frame.irradiance = self.stepping.lookup.irradiance
@@ -67,13 +71,14 @@ class OctreeLpv(Technique):
             self.injection.run(stage, self._grid_buffer, frame.vpls, sources)
         if self.geometry:
             with profiler.stage("geometry volume") as stage:
-                self.geometry.run(stage, frame, self._grid_buffer)
+                self.geometry.run(stage, frame, self._blocker_grid_buffer)
         with profiler.stage("downsampling") as stage:
             self.downsampling.run(stage, self.injection.injected)
             if self.settings.propagation == "gather":
                 self.gathering.update(stage, self.injection.injected)
         if self.settings.propagation == "steps":
-            self.stepping.run(profiler, self.injection.injected, self.injection.peak)
+            shares = self.geometry.shares if self.geometry else None
+            self.stepping.run(profiler, self.injection.injected, self.injection.peak, shares)
 
     def shade(self, frame: Frame) -> None:
         peak = self.injection.peak
