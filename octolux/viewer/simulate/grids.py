@@ -22,11 +22,13 @@ TOOLS = "pan,wheel_zoom,box_zoom,reset,save"
 _FINE = 32
 """Cells along a side up to which curves are drawn with all their points; above, with half."""
 
+_KINDS = ("curves", "negative", "cells", "borders", "blocks")
+
 _HOVER = [
-    ("cell x, y, z", "@x, @y, @z"), ("level", "@level"), ("flux", "@flux{%.4g} W"), ("largest", "@peak{%.4g} W/sr"),
+    ("cell x, y, z", "@x, @y, @z"), ("level", "@level"), ("flux", "@{flux}{%.4g} W"), ("largest", "@{peak}{%.4g} W/sr"),
     *((name, f"@{{{name}}}{{%.4g}}") for name in COEFFICIENTS),
 ]  # fmt: skip
-_PRINTED = {f"@{name}" if name.isalnum() else f"@{{{name}}}": "printf" for name in ("flux", "peak", *COEFFICIENTS)}
+_PRINTED = {f"@{{{name}}}": "printf" for name in ("flux", "peak", *COEFFICIENTS)}
 
 
 class Grid:
@@ -38,7 +40,7 @@ class Grid:
             title=name, tools=TOOLS, active_scroll=None, x_range=x_range, y_range=y_range, width=410, height=430,
             toolbar_location="above", min_border_left=58, name=f"grid-{name}",
         )  # fmt: skip
-        self._sources = {key: ColumnDataSource() for key in ("curves", "negative", "cells", "borders", "blocks")}
+        self._sources = {key: ColumnDataSource(name=key) for key in _KINDS}
         self._draw()
 
     def _draw(self) -> None:

@@ -48,7 +48,9 @@ class Laboratory:
 
     def look(self, **changes: Any) -> None:
         """Change fields of the view."""
-        self.act("view", lambda: setattr(self, "view", replace(self.view, **changes)))
+        self.view = replace(self.view, **changes)
+        level = "all levels" if self.view.level is None else f"level {self.view.level}"
+        self.act(f"looking at {self.view.axis} = {self.view.index}, {level}", lambda: None)
 
     def begin(self, **settings: Any) -> None:
         """A new, dark simulation with the same injectors and occluders; the old one cannot be brought back."""

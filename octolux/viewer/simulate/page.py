@@ -7,7 +7,7 @@ from html import escape
 
 from bokeh.document import Document
 from bokeh.layouts import column, row
-from bokeh.models import Div, InlineStyleSheet
+from bokeh.models import Div
 
 from octolux.simulator.laboratory import Simulation
 
@@ -17,7 +17,7 @@ from .grids import grids
 from .laboratory import Laboratory
 from .plots import plots
 
-_STYLE = InlineStyleSheet(css=":host { border-right: 1px solid #ddd; padding-right: 8px; }")
+_STYLE = ":host { border-right: 1px solid #ddd; padding-right: 8px; }"
 
 
 def fill(document: Document, simulation: Simulation) -> Laboratory:

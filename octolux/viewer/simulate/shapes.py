@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from bokeh.core.property.descriptors import UnsetValueError
 from bokeh.layouts import column, row
 from bokeh.models import FileInput, NumericInput, RadioButtonGroup, Select, Spinner, TextInput, UIElement
 
@@ -60,7 +61,8 @@ class ShapeForm:
         multiplier = float(1.0 if self._multiplier.value is None else self._multiplier.value)
         if kind == "file":
             n = self._laboratory.simulation.state.n
-            return entries.uploaded(str(f["file"].filename), str(f["file"].value), n, self.role, multiplier)
+            name, contents = (_chosen(f["file"], part) for part in ("filename", "value"))
+            return entries.uploaded(name, contents, n, self.role, multiplier)
         direction = entries.direction(self._direction.value)
         if kind == "wall":
             return Wall(f["axis"].value, int(f["index"].value or 0), direction, multiplier)
@@ -74,3 +76,11 @@ class ShapeForm:
         for name, field in self._fields.items():
             field.visible = name in KINDS[str(self._kind.value)]
         self._direction.disabled = self._kind.value == "file"
+
+
+def _chosen(file: FileInput, part: str) -> str:
+    """A property of the file that the browser sent; "" before any is chosen."""
+    try:
+        return str(getattr(file, part))
+    except UnsetValueError:
+        return ""
