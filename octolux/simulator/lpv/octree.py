@@ -15,6 +15,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from octolux.simulator.grid import Grid
+from octolux.simulator.lpv.lookup import sample_trilinear
+
 COMBINATIONS = ("sum", "average")
 
 
@@ -101,4 +104,23 @@ def merge(levels: Sequence[np.ndarray], index: Sequence[np.ndarray], combine: st
         coarser = upsample(merged, n)
         own = np.asarray(levels[i]) * reading_factor(i, combine)
         merged = np.where(here.reshape(*here.shape, *[1] * (own.ndim - 3)), own, coarser)
+    return merged
+
+
+def merge_by_arrival(sums: Sequence[np.ndarray], last: Sequence[np.ndarray], combine: str = "sum") -> np.ndarray:
+    """`sums` of the levels, [z][y][x][rgb][4] each, blended from coarse to fine by how much of a level's light has
+    arrived: float64 of level 0's size, as `merge`, but without a border where one level ends (Olovsson 2012, 6.1).
+
+    arrived = 1 - 2 S_k / (S_0 + ... + S_k), at least 0, of band 0 of all channels: nothing while the last step brings
+    as much as all before it, all when nothing more comes. last: S_k of each level. Coarser levels are filtered between
+    the middles of their cells.
+    """
+    merged = np.asarray(sums[-1]) * reading_factor(len(sums) - 1, combine)
+    for i in range(len(sums) - 2, -1, -1):
+        here, n = np.asarray(sums[i]), np.shape(sums[i])[0]
+        total, step = (np.asarray(light)[..., 0].sum(axis=-1)[..., None, None] for light in (here, last[i]))
+        arrived = np.maximum(0.0, 1.0 - 2.0 * step / np.where(total > 0.0, total, np.inf)) * (total > 0.0)
+        whole = Grid((0.0, 0.0, 0.0), 1.0, n)
+        coarser = sample_trilinear(merged, Grid((0.0, 0.0, 0.0), 2.0, n // 2), whole.cell_centres())
+        merged = coarser + arrived * (here * reading_factor(i, combine) - coarser)
     return merged

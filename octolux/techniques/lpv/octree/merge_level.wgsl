@@ -8,6 +8,9 @@ fn last_step(level: Level, cell: vec3i, channel: u32) -> f32 {
     return from_emission(load(level, cell, channel)).x;
 }
 
+// `merged` holds no level 0: that goes into the volumes.
+fn merged_index(number: u32, channel: u32) -> u32 { return 3u * (number - {{ n**3 }}u) + channel; }
+
 // Between the middles of the coarser level's cells, as a texture unit filters.
 fn coarser(cell: vec3u, channel: u32) -> vec4f {
     let place = clamp((vec3f(cell) + 0.5) * 0.5 - 0.5, vec3f(0.0), vec3f({{ edge // 2 - 1 }}.0));
@@ -17,7 +20,7 @@ fn coarser(cell: vec3u, channel: u32) -> vec4f {
         let high = vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u);
         let weight = select(1.0 - (place - vec3f(low)), place - vec3f(low), high == vec3u(1u));
         let corner = min(low + high, vec3u({{ edge // 2 - 1 }}u));
-        let light_of = {% if last %}{{ factor * ratio }} * light{% else %}merged{% endif %}[3u * number_of({{ level + 1 }}u, corner) + channel];
+        let light_of = {% if last %}{{ factor * ratio }} * light[3u * number_of({{ level + 1 }}u, corner) + channel]{% else %}merged[merged_index(number_of({{ level + 1 }}u, corner), channel)]{% endif %};
         sum += weight.x * weight.y * weight.z * light_of;
     }
     return sum;
@@ -40,7 +43,7 @@ fn main(@builtin(global_invocation_id) cell: vec3u) {
     {% if level == 0 %}
     textureStore({{ channel }}_out, cell, {{ channel }});
     {% else %}
-    merged[3u * number + {{ loop.index0 }}u] = {{ channel }};
+    merged[merged_index(number, {{ loop.index0 }}u)] = {{ channel }};
     {% endif %}
     {% endfor %}
 }
