@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import cycle
 
-from bokeh.models import ColumnDataSource, HoverTool
+from bokeh.models import ColumnDataSource, HoverTool, Range1d
 from bokeh.palettes import Category10
 from bokeh.plotting import figure
 
@@ -12,6 +12,8 @@ from octolux.simulator.laboratory.pictures import PANELS
 
 from .grids import TOOLS
 from .laboratory import Laboratory
+
+_CENTRE = next(title for title in PANELS if title.startswith("centre"))
 
 
 def plots(laboratory: Laboratory) -> list[figure]:
@@ -24,6 +26,11 @@ def plots(laboratory: Laboratory) -> list[figure]:
         for column, source in sources.items():
             found = [(row["iteration"], row[column]) for row in rows if column in row]
             source.data = {"iteration": [i for i, _ in found], "value": [value for _, value in found]}
+        for plot, (title, columns) in zip(made, PANELS.items(), strict=True):
+            measured = any(sources[column].data["value"] for column in columns)
+            plot.title.text = title if measured else f"{title}: not measured"
+        # Of light that keeps its place, the axis would show rounding.
+        made[list(PANELS).index(_CENTRE)].y_range.update(start=-0.5, end=laboratory.simulation.state.n - 0.5)
 
     laboratory.listeners.append(show)
     return made
@@ -43,7 +50,9 @@ def _plot(title: str, columns: dict[str, str], sources: dict[str, ColumnDataSour
         points = plot.scatter("iteration", "value", color=colour, size=4, source=source, legend_label=label)
         told = [("", label), ("iteration", "@iteration"), ("value", "@value{%.5g}")]
         plot.add_tools(HoverTool(renderers=[line, points], tooltips=told, formatters={"@value": "printf"}))
-    if not title.startswith("centre"):
+    if title == _CENTRE:
+        plot.y_range = Range1d()
+    else:
         plot.y_range.start = 0.0
     legend = plot.legend[0]
     legend.update(
