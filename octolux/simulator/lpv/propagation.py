@@ -76,7 +76,7 @@ def reprojection_lobes(reprojection: str = "face") -> np.ndarray:
     return harmonics.cosine_lobe(transfer.NORMALS if reprojection == "face" else transfer.CENTRE_DIRECTIONS) / pi
 
 
-def _shifted(cells: np.ndarray, direction: np.ndarray) -> np.ndarray:
+def shifted(cells: np.ndarray, direction: np.ndarray) -> np.ndarray:
     """`cells` [z][y][x]... as seen by the neighbours along `direction` (x, y, z): zero where there is no source."""
     moved = np.zeros_like(cells)
     source = tuple(slice(max(0, -d), cells.shape[i] - max(0, d)) for i, d in enumerate(direction[::-1]))
@@ -98,7 +98,7 @@ def step(
     flux = gain * face_flux(sh, evaluation)
     result = np.zeros(np.shape(sh))
     for travel, direction in enumerate(transfer.DIRECTIONS):
-        received = _shifted(flux[..., travel, :], direction)
+        received = shifted(flux[..., travel, :], direction)
         if faces is not None:
             received *= _passing(faces, travel)[..., None, :]
         result += received @ lobes[travel]
