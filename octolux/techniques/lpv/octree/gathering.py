@@ -29,14 +29,12 @@ class Gathering:
     def __init__(self, device: Device, levels: Levels, *, occlusion: bool, lookup_offset: float, everywhere: bool):
         self.device, self.levels, self.n = device, levels, levels.sizes[0]
         n, cells = self.n, self.n**3
-        self._occlusion = occlusion
+        self._occlusion, self._everywhere = occlusion, everywhere
         self.nodes = device.buffer("LPV nodes", size=levels.cells * 64)
         self._moments = device.buffer("LPV moments", size=levels.cells * 16)
         self._kept = {
             "corners": device.buffer("LPV looked-up corners", size=cells * 4),
-            "filled": device.buffer("LPV filled cells", size=cells * 4),
-            "receivers": device.buffer("LPV receivers", size=cells * 4),
-            "count": device.buffer("LPV receivers", size=4),
+            "filled": device.buffer("LPV filled cells", size=cells // 8),  # a bit a cell, two words a block of 4^3
         }
         self.cube = device.texture(
             "LPV irradiance cube", (n, n, 6 * n), "rgba16float", usage=TEXTURE | STORAGE | COPY, dimension="3d"
@@ -46,7 +44,7 @@ class Gathering:
             mag_filter="linear", min_filter="linear", **{f"address_mode_{a}": "clamp-to-edge" for a in "uvw"}
         )
         self._make_node_passes()
-        self._make_receiver_passes(lookup_offset, everywhere)
+        self._make_lookup_passes(lookup_offset)
 
     def _make_node_passes(self) -> None:
         n, device = self.n, self.device
@@ -61,26 +59,22 @@ class Gathering:
             cells=self.levels.cells, pi=pi, **SH_CONSTANTS,
         )  # fmt: skip
         blockers = [storage("geometry", "u32")] if self._occlusion else []
+        used = sum(n >= 4 for n in self.levels.sizes)  # all nodes of coarser levels are next to every cell's own
         self._gather = ComputePass(
             device, "gather", "techniques/lpv/octree/gather.wgsl",
-            [storage("nodes", "vec4f"), storage("receivers", "u32"), storage("count", "u32"), storage("peak", "u32"),
+            [storage("nodes", "vec4f"), storage("corners", "u32"), storage_rw("filled", "u32"), storage("peak", "u32"),
              *blockers, storage_texture("cube_out", "rgba16float", "3d")],
-            workgroup=(64, 1, 1), n=n, row=ROW, levels=len(self.levels.sizes), occlusion=self._occlusion,
-            spread=gathering.SPREAD, cone_length=geometry.CONE_LENGTH, opaque=_OPAQUE,
+            workgroup=(64, 1, 1), n=n, row=ROW, levels=used, candidates=512 + 216 * (used - 1),
+            occlusion=self._occlusion, everywhere=self._everywhere, spread=gathering.SPREAD,
+            cone_length=geometry.CONE_LENGTH, opaque=_OPAQUE, bits=n.bit_length() - 1,
         )  # fmt: skip
 
-    def _make_receiver_passes(self, lookup_offset: float, everywhere: bool) -> None:
+    def _make_lookup_passes(self, lookup_offset: float) -> None:
         seen = [views_binding(), texture("surface_map", "uint"), texture("depth_map"), uniform("grid", GRID)]
         values: dict[str, Any] = {"n": self.n, "lookup_offset": float(lookup_offset)}
         self._mark = ComputePass(
             self.device, "mark", "techniques/lpv/octree/mark.wgsl", [*seen, atomic_words("corners", "u32")],
             structs=[VIEW, GRID], **values,
-        )  # fmt: skip
-        self._list = ComputePass(
-            self.device, "receivers", "techniques/lpv/octree/receivers.wgsl",
-            [storage("corners", "u32"), storage_rw("filled", "u32"), storage_rw("receivers", "u32", "write"),
-             atomic_words("count", "u32")],
-            workgroup=(8, 4, 2), n=self.n, everywhere=everywhere,
         )  # fmt: skip
         self._lookup = ComputePass(
             self.device, "lookup", "techniques/lpv/octree/cube_lookup.wgsl",
@@ -102,13 +96,11 @@ class Gathering:
     def gather(self, stage: Any, frame: Frame, grid: Any, peak: Any, packed_shares: Any) -> None:
         """Fill the cells that the frame's pixels look up, if they are not filled yet."""
         kept = self._kept
-        stage.encoder.clear_buffer(kept["count"])
         self._mark.run(stage, frame.pixels, **self._seen(frame, grid), corners=kept["corners"])
-        self._list.run(stage, (self.n,) * 3, **kept)
         blockers = {"geometry": packed_shares} if self._occlusion else {}
         self._gather.run(
-            stage, Levels([self.n]).rows, nodes=self.nodes, receivers=kept["receivers"], count=kept["count"],
-            peak=peak, cube_out=self.cube, **blockers,
+            stage, Levels([self.n]).rows, nodes=self.nodes, **kept, peak=peak, cube_out=self.cube,
+            **blockers,
         )  # fmt: skip
 
     def read(self, stage: Any, frame: Frame, grid: Any, peak: Any, irradiance: Any) -> None:
