@@ -1,6 +1,7 @@
 """WGSL from templates: files of the package composed with Jinja2, and errors led back to the line they came from.
 
 A template says `{{ use("shaders/sh.wgsl") }}` to include another file once, and may use Jinja2's loops to unroll.
+`{% set step = macros("FILE") %}` lends it another file's macros, as `{{ step.NAME(...) }}`.
 Names that were not passed in are errors. Paths start at the package's folder, so every name is full. A macro that is
 used inside a line must itself stand on one line, since each line carries a mark of its origin as a comment.
 """
@@ -8,7 +9,7 @@ used inside a line must itself stand on one line, since each line carries a mark
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -59,10 +60,18 @@ class _Composer:
         if name in self.files:
             return ""
         self.files.append(name)
-        path = self.root / name
+        return self._made(name, lambda template: template.render(self.values, use=self.use, macros=self.macros))
+
+    def macros(self, name: str) -> Any:
+        """The macros of the file `name`, which has nothing else, as attributes."""
+        self.files.append(name)
+        return self._made(name, lambda template: template.make_module(self.values))
+
+    def _made(self, name: str, make: Callable[[jinja2.Template], Any]) -> Any:
+        """What `make` makes of the file that was named last."""
         try:
-            marked = _mark_lines(path.read_text(encoding="utf-8"), len(self.files) - 1)
-            return _template(marked).render(self.values, use=self.use)
+            text = (self.root / name).read_text(encoding="utf-8")
+            return make(_template(_mark_lines(text, len(self.files) - 1)))
         except FileNotFoundError as error:
             raise ShaderError(f"octolux/{name}: no such shader file") from error
         except jinja2.TemplateError as error:

@@ -45,6 +45,21 @@ def test_values_and_loops(write):
     assert re.findall(r"const V\d = \d;", text) == ["const V0 = 0;", "const V1 = 2;", "const V2 = 4;"]
 
 
+def test_macros_of_another_file(write):
+    """They see the values, take macros as arguments, and their lines are led back to their own file."""
+    root = write(
+        lib="{% macro declare(name, made) %}\nconst {{ name }} = {{ made(2) }};\n{% endmacro %}\n",
+        main='{% set lib = macros("lib.wgsl") %}\n'
+        "{% macro scaled(x) %}{{ x * count }}{% endmacro %}\n{{ lib.declare('A', scaled) }}\n",
+    )
+    source = compose("main.wgsl", root=root, count=3)
+    assert "const A = 6;" in source.text and "//@" not in source.text
+    line = source.text.splitlines().index("const A = 6;")
+    assert source.origins[line] == ("lib.wgsl", 2)
+    with pytest.raises(ShaderError, match=r"none\.wgsl: no such shader file"):
+        compose("a.wgsl", root=write(a='{{ macros("none.wgsl") }}\n'))
+
+
 def test_undefined_name(write):
     root = write(lib="const X = {{ radius }};\n", main='{{ use("lib.wgsl") }}\n')
     with pytest.raises(ShaderError, match=r"lib\.wgsl.*radius.*undefined"):

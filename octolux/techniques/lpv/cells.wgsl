@@ -33,20 +33,20 @@ fn light_index(level: Level, cell: vec3i, channel: u32) -> u32 {
 }
 
 {% if "store" in access %}
-fn store(level: Level, cell: vec3i, channel: u32, e: vec4f) {
-    {% if format == "f16" %}
-    cells_out[stored_index(level, cell, channel)] = vec2u(pack2x16float(e.xy), pack2x16float(e.zw));
-    {% else %}
-    cells_out[stored_index(level, cell, channel)] = e;
-    {% endif %}
+fn store_at(index: u32, e: vec4f) {
+    cells_out[index] = {% if format == "f16" %}vec2u(pack2x16float(e.xy), pack2x16float(e.zw)){% else %}e{% endif %};
 }
+
+fn store(level: Level, cell: vec3i, channel: u32, e: vec4f) { store_at(stored_index(level, cell, channel), e); }
 {% endif %}
 
 {% if "load" in access %}
-fn load(level: Level, cell: vec3i, channel: u32) -> vec4f {
-    let stored = cells_in[stored_index(level, cell, channel)];
+fn load_at(index: u32) -> vec4f {
+    let stored = cells_in[index];
     return {% if format == "f16" %}vec4f(unpack2x16float(stored.x), unpack2x16float(stored.y)){% else %}stored{% endif %};
 }
+
+fn load(level: Level, cell: vec3i, channel: u32) -> vec4f { return load_at(stored_index(level, cell, channel)); }
 {% endif %}
 
 {% if evaluation == "dominant_lobe" %}

@@ -7,31 +7,9 @@
 
 {{ use("techniques/lpv/cells.wgsl") }}
 
-{% set axes = {"x": "w", "y": "y", "z": "z"} %}
-{% macro within(x) %}{% if clamped %}max(0.0, {{ x }}){% else %}{{ x }}{% endif %}{% endmacro %}
+{% set step = macros("techniques/lpv/receive.wgsl") %}
 {# What the geometry volume lets through the face of cell `key` at the upper or lower end of `axis`, to light along `travel`. #}
 {% macro passing(key, axis, upper, travel) %}{% if occluded %}passes_{{ key }}_{{ axis }}{{ upper|int }}.{{ travel }} * {% endif %}{% endmacro %}
-{# Flux that cell `key` receives from the neighbour with emission e when light travels along `sign` `axis`. #}
-{% macro receive(key, axis, sign) %}
-    {
-        let along = {{ sign }} * e.{{ axes[axis] }};
-        let far = {{ passing(key, axis, sign == "1.0", axis) }}({{ outside_far }} * e.x + {{ within(far0 ~ " * e.x + " ~ far_d ~ " * along") }});
-        let base = {{ side0 }} * e.x + {{ side_d }} * along;
-        let outside = {{ outside_side }} * e.x;
-        var sides = 0.0;
-        {% for other in "xyz" if other != axis %}
-        {
-            let across = {{ side_s }} * e.{{ axes[other] }};
-            let up = {{ passing(key, other, true, axis) }}(outside + {{ within("base + across") }});
-            let down = {{ passing(key, other, false, axis) }}(outside + {{ within("base - across") }});
-            sides += up + down;
-            vector_{{ key }}.{{ other }} += {{ side_across }} * (up - down);
-        }
-        {% endfor %}
-        total_{{ key }} += far + sides;
-        vector_{{ key }}.{{ axis }} += {{ sign }} * (far{% if side_along %} + {{ side_along }} * sides{% endif %});
-    }
-{% endmacro %}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -66,7 +44,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         {
             let e = load(level, base + vec3i({{ source.offset|join(", ") }}), channel);
             {% for use in source.uses %}
-            {{ receive(use.cell, use.axis, use.sign) }}
+            {{ step.receive(use.cell, use.axis, use.sign, passing) }}
             {% endfor %}
             {% if adds == 2 and source.own is not none %}
             former_{{ source.own }} = from_emission(e);
