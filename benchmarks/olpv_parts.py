@@ -19,25 +19,21 @@ CLEAR_TO_MERGE = PARTS[2:]
 OTHER = "other"
 """What the thesis does not time: the G-buffer, direct light, lookup, composite."""
 
-_RSM_STAGES = ("RSM rendering", "RSM surfaces")
 _CLEARED = {"LPV geometry volume": "GVClear", "LPV index volume": "IXClear"}
-_GEOMETRY = {"surfels of an RSM": "GVInject", "surfels of the G-buffer": "GVInject", "merge surfels": "GVInject",
-             "pack shares": "GVInject", "downsample": "GVDownsample"}  # fmt: skip
-# `start` brings injected light into the cells and writes the index of what was injected and downsampled. `volumes` is
-# the uniform volume's copy for the texture unit, which the octree's merge writes itself.
-_LIGHT = {"inject": "LPVInject", "collect": "LPVInject", "downsample": "LPVDownsample", "moments": "LPVDownsample",
-          "nodes": "LPVDownsample", "start": "LPVPropagate", "propagate": "LPVPropagate", "mark": "LPVPropagate",
-          "receivers": "LPVPropagate", "gather": "LPVPropagate", "merge": "LPVMerge",
-          "volumes": "LPVMerge"}  # fmt: skip
+# Propagation begins with bringing injected light into the cells and marking in the index what was injected and
+# downsampled. `volumes` is the uniform volume's copy for the texture unit, which the octree's merge writes itself.
+_STAGES = {"RSM rendering": "RSMCreate", "RSM surfaces": "RSMCreate", "geometry volume": "GVInject",
+           "injection": "LPVInject", "downsampling": "LPVDownsample", "propagation": "LPVPropagate",
+           "merge": "LPVMerge", "volumes": "LPVMerge"}  # fmt: skip
 
 
 def part_of(stage: str, name: str, clears: bool = False) -> str:
     """The part that a pass, or the clearing of a buffer, of that name in that stage belongs to."""
-    if stage in _RSM_STAGES:
-        return "RSMCreate"
-    if clears:
-        return _CLEARED.get(name, "LPVClear" if name.startswith("LPV") else OTHER)
-    return (_GEOMETRY if stage == "geometry volume" else _LIGHT).get(name, OTHER)
+    if clears and name.startswith("LPV"):
+        return _CLEARED.get(name, "LPVClear")
+    if (stage, name) == ("geometry volume", "downsample"):
+        return "GVDownsample"
+    return _STAGES.get(stage, OTHER)
 
 
 @dataclass(frozen=True)

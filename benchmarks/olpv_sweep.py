@@ -77,8 +77,8 @@ def rows(costs: Sequence[Cost]) -> list[tuple[str, ...]]:
     lines = [TITLES]
     base = {(c.technique, c.k): c.milliseconds for c in costs if c.n == 32}
     for c in sorted(costs, key=lambda c: (c.technique, c.n, c.k or 0)):
-        over = c.milliseconds / base[c.technique, c.k]
-        k = "–" if c.k is None else str(c.k)
-        lines.append((c.technique, str(c.n), k, f"{c.cells:,}", f"{c.milliseconds:.2f}", f"{over:.2f}",
+        least = base.get((c.technique, c.k))
+        over, k = f"{c.milliseconds / least:.2f}" if least else "–", "–" if c.k is None else str(c.k)
+        lines.append((c.technique, str(c.n), k, f"{c.cells:,}", f"{c.milliseconds:.2f}", over,
                       f"{c.megabytes:.1f}"))  # fmt: skip
     return lines

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import json
 import statistics
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from pathlib import Path
 
-from octolux.output.atomic import replacing
 from octolux.scene.errors import OctoluxError
 
-from . import olpv_sweep
+from . import olpv_sweep, written_tables
 from .lab import device
 from .olpv_parts import CLEAR_TO_MERGE, PARTS, PartProfiler, Times
 from .olpv_scene import SCENES, base_scene, lit, renderer
 from .registry import NeedsData, at_most, figure
-from .tables import aligned, markdown
 
 SIZE, WARM_UP = (1280, 720), 2
 UNIFORM = "uniform-lpv:thesis"
@@ -106,8 +102,10 @@ def _theirs(found: tuple[int, int, int, int | None, int | None]) -> tuple[str, .
 
 def tables(found: Mapping[str, Mapping[str, Times]]) -> list[tuple[str, list[tuple[str, ...]]]]:
     """A title and the cells of each octree beside the uniform volume; the thesis's figures stand beside its preset."""
+    uniform = found[UNIFORM]
     return [
-        (f"{text} beside {UNIFORM}", rows(found[text], found[UNIFORM], thesis=text == OCTREES[0])) for text in OCTREES
+        (f"{text} beside {UNIFORM}, milliseconds", rows(found[text], uniform, thesis=text == OCTREES[0]))
+        for text in OCTREES
     ]
 
 
@@ -140,30 +138,21 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--frames", type=int, default=500, help="frames of each technique (default 500)")
     parser.add_argument("--size", default="x".join(map(str, SIZE)), metavar="WxH", help="pixels (default %(default)s)")
     parser.add_argument("--sweep", action="store_true", help="cost and memory by n and by k instead")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures as JSON too")
-    parser.add_argument("--markdown", type=Path, metavar="FILE", help="write the tables as Markdown too")
+    written_tables.add_options(parser)
     return parser.parse_args(words)
 
 
 def _checked(arguments: argparse.Namespace) -> tuple[int, int]:
     if arguments.frames < 1:
         raise OctoluxError(f"--frames must be at least 1, not {arguments.frames}.")
-    for path in filter(None, (arguments.json, arguments.markdown)):
-        if not path.resolve().parent.is_dir():
-            raise OctoluxError(f"{path}: there is no folder '{path.parent}'. Make it first.")
+    written_tables.check(arguments)
     width, _, height = arguments.size.partition("x")
     if not (width.isdigit() and height.isdigit()):
         raise OctoluxError(f"--size is WIDTHxHEIGHT, such as 1280x720, not '{arguments.size}'.")
     return int(width), int(height)
 
 
-def _write(path: Path | None, text: str) -> None:
-    if path:
-        with replacing(path) as temporary:
-            temporary.write_text(text, encoding="utf-8")
-
-
-def _table(arguments: argparse.Namespace, size: tuple[int, int]) -> tuple[dict, list[tuple[str, list]]]:
+def _table(arguments: argparse.Namespace, size: tuple[int, int]) -> tuple[dict, list[written_tables.Table]]:
     found = measured(arguments.scene, (*OCTREES, UNIFORM), arguments.frames, size)
     data = {text: {part: asdict(t) for part, t in times.items()} for text, times in found.items()}
     thesis = {part: dict(zip(("count", "octree_average", "octree_total", "uniform_average", "uniform_total"), line,
@@ -171,7 +160,7 @@ def _table(arguments: argparse.Namespace, size: tuple[int, int]) -> tuple[dict, 
     return {"frames": arguments.frames, "size": size, "techniques": data, "thesis": thesis}, tables(found)
 
 
-def _sweep(arguments: argparse.Namespace) -> tuple[dict, list[tuple[str, list]]]:
+def _sweep(arguments: argparse.Namespace) -> tuple[dict, list[written_tables.Table]]:
     both = {"by n": olpv_sweep.BY_CELLS, "by k": olpv_sweep.BY_STEPS}
     costs = {title: olpv_sweep.swept(arguments.scene, techniques) for title, techniques in both.items()}
     data = {title: [asdict(cost) for cost in found] for title, found in costs.items()}
@@ -184,12 +173,7 @@ def main(words: Sequence[str] | None = None) -> int:
     try:
         size = _checked(arguments)
         data, made = _sweep(arguments) if arguments.sweep else _table(arguments, size)
-        print(f"adapter: {device().adapter_name}, scene: {arguments.scene}, milliseconds")
-        for title, lines in made:
-            print(f"\n{title}\n\n{aligned(lines)}")
-        whole = {"adapter": device().adapter_name, "scene": arguments.scene, **data}
-        _write(arguments.json, json.dumps(whole, indent=1) + "\n")
-        _write(arguments.markdown, "\n\n".join(f"{title}\n\n{markdown(lines)}" for title, lines in made) + "\n")
+        written_tables.give_out(arguments, made, {"scene": arguments.scene, **data})
     except NeedsData as missing:
         print(f"error: {arguments.scene} needs OCTOLUX_DATA ({missing})", file=sys.stderr)
         return 2

@@ -53,8 +53,6 @@ class Stepping:
     def run(self, profiler: Any, injected: Any, peak: Any, shares: Any = None) -> None:
         """From `injected` (W/sr, all levels) to the volumes that the lookup filters."""
         with profiler.stage("propagation") as stage:
-            if self._settings.merge == "index":
-                stage.encoder.clear_buffer(self.propagation.touched)
             self.propagation.run(stage, injected, peak, self._settings.iterations, shares)
         with profiler.stage("merge") as stage:
             volumes = {f"{c}_out": self.lookup.volumes[c] for c in CHANNELS}
