@@ -22,6 +22,12 @@ its
 sizes away (gathering.py), 2.5 on average: the cone to it is 1/2.5 as wide as it is long, and cells of half its width
 resolve what lies in it."""
 
+LEFT_OUT = 1.5
+"""Cells before the middle of a node of one cell that do not block its light: its own half, and the next."""
+
+SHORT = 0.9999
+"""Points are read a little before where they lie, so that rounding decides nothing where a way passes through edges."""
+
 
 def inject_surfels(position, normal, area, grid: Grid) -> np.ndarray:
     """Blocked shares [z][y][x][3] of M surfels of one buffer, at most 1 each: several layers of a surface in one cell,
@@ -84,29 +90,35 @@ def face_transmittance(shares) -> np.ndarray:
 
 def cone_transmittance(geometry: Sequence[np.ndarray], start, end, node_size) -> np.ndarray:
     """Share (M,) of light that passes from points `end` (M, 3) in nodes of `node_size` (M,) to points `start` (M, 3),
-    in
-    cells of level 0: a cone from a point to the node, marched on the level whose cells are half as wide as the cone.
+    in the middle of cells, in cells of level 0: a cone from a point to the node, marched on the level whose cells are
+    half as wide as the cone.
 
-    Each step crosses one layer of cells of its level, along the direction's longest component: it is blocked by the
-    cell's shares a.|u| times the length of the step, at most wholly. A wall across the step blocks exactly all.
-    The first cell from `start` is left out, and before `end` half the node, which is where its own surfaces lie, or a
-    cell: they are what the light comes from and goes to, each up to half a cell behind its point in both directions.
+    Each step crosses one layer of cells of its level, across the direction's longest component, and reads the cell in
+    the middle of the step: it is blocked by the cell's shares a.|u| times the length of the step, at most wholly.
+    Steps begin on the faces of their level's cells, if need be one former step earlier, so that each layer is crossed
+    and a wall across the way blocks all.
+    The start's own cell is left out, and before `end` half the node, which is where its own surfaces lie, or its cell
+    and another: they are what the light comes from and goes to, each up to half a cell behind its point.
     """
     start, end = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
-    node_size = np.broadcast_to(node_size, start.shape[:1])
     distance = np.linalg.norm(end - start, axis=-1)
     towards = (end - start) / np.where(distance > 0.0, distance, 1.0)[:, None]
-    longest = np.maximum(np.abs(towards).max(axis=-1), 1e-6)
-    passed, travelled = np.ones(len(start)), 1.0 / longest
-    last = distance - np.maximum(1.0, 0.5 * node_size) / longest
+    axis = np.abs(towards).argmax(axis=-1)[:, None]
+    longest = np.maximum(np.abs(np.take_along_axis(towards, axis, axis=-1)[:, 0]), 1e-6)
+    sense = np.where(np.take_along_axis(towards, axis, axis=-1)[:, 0] > 0.0, 1.0, -1.0)
+    along = np.take_along_axis(start, axis, axis=-1)[:, 0]
+    last = distance * longest - np.maximum(LEFT_OUT, 0.5 * np.asarray(node_size)) - 0.25  # never half-way by rounding
+    passed, travelled, level = np.ones(len(start)), np.full(len(start), 0.5), np.zeros(len(start), dtype=int)
     while (inside := travelled < last).any():
-        level = np.clip(np.floor(np.log2(travelled / CONE_LENGTH)), 0, len(geometry) - 1).astype(int)
-        step = 2.0**level / longest
-        middle = start + towards * (travelled + 0.5 * step)[:, None]
+        width = 2.0**level
+        middle = start + towards * (SHORT * (travelled + 0.5 * width) / longest)[:, None]
         for i, shares in enumerate(geometry):
             here = inside & (level == i)
             cell = np.clip(np.floor(middle[here] / 2**i).astype(int), 0, shares.shape[0] - 1)
             blocked = np.sum(shares[cell[:, 2], cell[:, 1], cell[:, 0]] * np.abs(towards[here]), axis=-1)
-            passed[here] *= 1.0 - np.minimum(blocked * step[here] / 2**i, 1.0)
-        travelled += step
+            passed[here] *= 1.0 - np.minimum(blocked / longest[here], 1.0)
+        travelled = travelled + width
+        wider = (travelled < last) & (travelled >= 2.0 * CONE_LENGTH * width * longest) & (level < len(geometry) - 1)
+        level = level + wider
+        travelled -= np.where(wider, (along + sense * travelled) % 2.0**level, 0.0)
     return passed

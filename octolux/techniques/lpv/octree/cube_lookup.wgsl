@@ -1,4 +1,5 @@
-// Irradiance of what the camera sees from the faces of the cells around it (simulator/lpv/gathering.py, `read_cube`).
+// Irradiance of what the camera sees from the faces of the cells around it (simulator/lpv/gathering.py, `read_cube`), of those
+// that have been filled: others may lie in or behind walls, and would darken every corner.
 {{ use("shaders/view.wgsl") }}
 {{ use("shaders/gbuffer.wgsl") }}
 {{ use("techniques/lpv/storage_scale.wgsl") }}
@@ -12,14 +13,14 @@ fn main(@builtin(global_invocation_id) pixel: vec3u) {
         textureStore(irradiance_out, pixel.xy, vec4f(0.0, 0.0, 0.0, 1.0));
         return;
     }
-    let place = filtered_place(seen.place) + 0.5;
+    let place = clamp(seen.place, vec3f(0.5), vec3f({{ n - 0.5 }})); // clamped to the edge; faces lie behind one another
     var irradiance = vec3f(0.0);
     {% for axis in "xyz" %}
     {
         let face = select({{ 2 * loop.index0 + 1 }}.0, {{ 2 * loop.index0 }}.0, seen.normal.{{ axis }} >= 0.0);
         let at = (place + vec3f(0.0, 0.0, {{ n }}.0 * face)) * vec3f({{ 1 / n }}, {{ 1 / n }}, {{ 1 / (6 * n) }});
-        let light = textureSampleLevel(cube, volume_sampler, at, 0.0).rgb;
-        irradiance += seen.normal.{{ axis }} * seen.normal.{{ axis }} * light;
+        let light = textureSampleLevel(cube, volume_sampler, at, 0.0);
+        irradiance += seen.normal.{{ axis }} * seen.normal.{{ axis }} * light.rgb / max(light.a, {{ least }});
     }
     {% endfor %}
     irradiance *= 1.0 / (storage_scale(peak[0]) * grid.cell_size * grid.cell_size);

@@ -1,7 +1,7 @@
 // Gathering (simulator/lpv/gathering.py): what a cell receives from all others, by the inverse square, from nodes as large
 // as their distance allows, through the geometry volume.
 //
-// A workgroup has a block of 4^3 cells, of which those are done that lookups filter and that have no light yet. They read
+// A workgroup has a block of 4^3 cells, of which those are done that surfaces are looked up in and that have no light yet. They read
 // much the same nodes, which the workgroup first lists, level by level: no thread walks the octree, none waits for others
 // at a branch, and the order of the sum is always the same. Loops end at their end, as a software adapter otherwise
 // runs their bodies once more.
@@ -18,20 +18,6 @@ var<workgroup> cells: array<u32, 64>;
 var<workgroup> counts: array<u32, 64>;
 var<workgroup> listed: array<u32, CANDIDATES>;
 var<workgroup> lengths: array<atomic<u32>, {{ levels }}>;
-
-// Whether a lookup filters the cell: it is next to, above, a corner that was marked.
-fn looked_up(cell: vec3i) -> bool {
-    {% if everywhere %}
-    return true;
-    {% else %}
-    var found = 0u;
-    for (var k = 0u; k < 8u; k++) {
-        let corner = max(cell - vec3i(vec3u(k & 1u, (k >> 1u) & 1u, k >> 2u)), vec3i(0));
-        found |= corners[u32(corner.x + {{ n }} * (corner.y + {{ n }} * corner.z))];
-    }
-    return found == 1u;
-    {% endif %}
-}
 
 struct Candidate { level: u32, node: vec3i }
 
@@ -78,7 +64,12 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) th
     let own = 4 * block + vec3i(vec3u(thread & 3u, (thread >> 2u) & 3u, thread >> 4u));
     let filled_before = filled[2u * block_number + thread / 32u];
     let bit = 1u << (thread % 32u);
-    let own_wanted = (filled_before & bit) == 0u && block.z < i32(SIDE) && looked_up(own);
+    {% if everywhere %}
+    let asked_for = true;
+    {% else %}
+    let asked_for = marks[u32(own.x + {{ n }} * (own.y + {{ n }} * own.z))] == 1u;
+    {% endif %}
+    let own_wanted = (filled_before & bit) == 0u && asked_for;
     if own_wanted { atomicOr(&wanted[thread / 32u], bit); }
     workgroupBarrier();
     let low = atomicLoad(&wanted[0]);

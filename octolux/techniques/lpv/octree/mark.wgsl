@@ -1,4 +1,4 @@
-// Marks the lower corner of each eight cells that a pixel's lookup filters.
+// Marks the cells that surfaces are looked up in: their middles are on the surfaces' free side.
 {{ use("shaders/view.wgsl") }}
 {{ use("shaders/gbuffer.wgsl") }}
 {{ use("techniques/lpv/octree/place.wgsl") }}
@@ -8,7 +8,7 @@ fn main(@builtin(global_invocation_id) pixel: vec3u) {
     if any(pixel.xy >= textureDimensions(depth_map)) { return; }
     let seen = seen_place(pixel.xy);
     if !seen.inside { return; }
-    let corner = vec3u(filtered_place(seen.place));
-    let number = corner.x + {{ n }}u * (corner.y + {{ n }}u * corner.z);
-    if atomicLoad(&corners[number]) == 0u { atomicStore(&corners[number], 1u); }
+    let cell = vec3u(clamp(seen.place, vec3f(0.0), vec3f({{ n - 1 }}.0)));
+    let number = cell.x + {{ n }}u * (cell.y + {{ n }}u * cell.z);
+    if atomicLoad(&marks[number]) == 0u { atomicStore(&marks[number], 1u); }
 }

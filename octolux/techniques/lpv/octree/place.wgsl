@@ -9,6 +9,3 @@ fn seen_place(pixel: vec2u) -> SeenPlace {
     let inside = depth > 0.0 && all(surface >= vec3f(0.0)) && all(surface <= vec3f({{ n }}.0));
     return SeenPlace(inside, surface + {{ lookup_offset }} * s.geometric_normal, s.normal);
 }
-
-// The same among the cells' middles, as a texture unit that clamps to the edge filters it.
-fn filtered_place(place: vec3f) -> vec3f { return clamp(place - 0.5, vec3f(0.0), vec3f({{ n - 1 }}.0)); }
