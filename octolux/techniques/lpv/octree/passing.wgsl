@@ -1,6 +1,6 @@
-// Share of light that passes from a node to a point, unit vector `towards` and `distance` away (simulator/lpv/geometry.py,
-// `cone_transmittance`): the march goes on to the next level each time that it has doubled its length, and so never
-// reaches the coarsest. `travelled` counts cells along the direction's longest component; the point is in a cell's middle.
+// Share of light that passes from a node to a point in a cell's middle, unit vector `towards` and `distance` away
+// (simulator/lpv/geometry.py, `cone_transmittance`): the march goes on to the next level when it has doubled its
+// length, and so never reaches the coarsest. `travelled` counts cells along the direction's longest component.
 fn passing(point: vec3f, towards: vec3f, distance: f32, node_size: f32) -> f32 {
     let sizes = abs(towards);
     let is_x = sizes.x >= max(sizes.y, sizes.z);
