@@ -194,6 +194,28 @@ def test_another_size_begins_anew_and_keeps_the_injectors(page):
     assert page.model("sets", "text") == "in the set: light 1, occluders 0"
 
 
+def test_another_propagator_and_factor_hold_from_the_next_step(page):
+    begin(page, 1)
+    page.choose("propagator", "thesis")
+    page.until("Bokeh.documents[0].get_model_by_name('status').text.includes('thesis: another propagator')")
+    page.type("factor", "1, 0.5, x")
+    page.until("Bokeh.documents[0].get_model_by_name('status').text.includes('the factor is')")
+    page.type("factor", "1, 0.5, 0.25, 0")
+    page.until("Bokeh.documents[0].get_model_by_name('status').text.includes('another factor')")
+    page.click("step", says="iteration 2")
+    expected = stepped(1)
+    expected.set_propagator("thesis")
+    expected.set_factor([1.0, 0.5, 0.25, 0.0])
+    expected.propagate()
+    expected.accumulate()
+    rows = page.model("plot-flux", "renderers[0].data_source.data.value")
+    assert list(rows.values() if isinstance(rows, dict) else rows) == [r["step_flux"] for r in expected.state.measures]
+    page.choose("n", "16")
+    page.click("begin", says="n = 16")
+    assert "thesis" in page.status()
+    assert page.model("factor", "value") == "1"  # its first level's: there are more levels now
+
+
 def test_everything_can_be_saved(page, tmp_path):
     page.browser.send("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(tmp_path))
     begin(page, 1)

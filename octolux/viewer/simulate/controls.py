@@ -10,6 +10,7 @@ from bokeh.models import (
     Button,
     CheckboxButtonGroup,
     Div,
+    NumericInput,
     RadioButtonGroup,
     Select,
     Slider,
@@ -31,6 +32,7 @@ Do = Callable[[Callable[[], None]], None]
 """Does what a button asks for, once the page has said that it is working."""
 
 _SIZES = ["8", "16", "32", "64", "128"]
+_COARSEST = ["1", "2"]
 _COMPARED = ["uniform", "analytic"]
 _MERGED = "merged"
 
@@ -50,46 +52,59 @@ def heading(text: str) -> Div:
 
 
 def simulation_controls(laboratory: Laboratory, do: Do) -> UIElement:
-    """Size and way of combining with a button that begins anew; propagator and factor, which act at once."""
-    state = laboratory.simulation.state
-    size = Select(title="n", options=_SIZES, value=str(state.n), width=60, name="n")
-    combine = Select(
-        title="parents", options=list(octree.COMBINATIONS), value=state.combine, width=90, name="combine"
-    )  # fmt: skip
-    propagator = Select(
-        title="propagator", options=list(PROPAGATORS), value=state.propagator.name, width=130, name="propagator"
-    )  # fmt: skip
-    factor = TextInput(title="factor (one, or one a level)", value=_factors(state.factors), width=160, name="factor")
+    """What a simulation begins with, and a button that begins anew."""
+    size = Select(title="n", options=_SIZES, width=60, name="n")
+    coarsest = Select(title="coarsest", options=_COARSEST, width=60, name="coarsest")
+    combine = Select(title="parents", options=list(octree.COMBINATIONS), width=85, name="combine")
+    threshold = NumericInput(title="threshold", mode="float", width=70, name="threshold")
     active = [i for i, name in enumerate(_COMPARED) if name in laboratory.simulation.compare]
-    compared = CheckboxButtonGroup(labels=_COMPARED, active=active, width=WIDTH - 20, name="compare")
+    compared = CheckboxButtonGroup(labels=_COMPARED, active=active, width=310, name="compare")
 
-    def begin() -> None:
-        laboratory.begin(
-            n=int(size.value), combine=combine.value, propagator=propagator.value,
-            compare=[_COMPARED[i] for i in compared.active],
-        )  # fmt: skip
+    def settings() -> dict[str, Any]:
+        state = laboratory.simulation.state
+        same = len(octree.level_sizes(int(size.value), int(coarsest.value))) == state.levels
+        return {
+            "n": int(size.value), "coarsest": int(coarsest.value), "combine": combine.value,
+            "threshold": threshold.value or 0.0, "compare": [_COMPARED[i] for i in compared.active],
+            "propagator": state.propagator, "factor": state.factors if same else state.factors[0],
+        }  # fmt: skip
 
-    def set_factor(attr: str, old: str, new: str) -> None:
-        if new != _factors(laboratory.simulation.state.factors):
-            laboratory.act("another factor", lambda: laboratory.simulation.set_factor(entries.factor(new)))
+    def show() -> None:
+        state = laboratory.simulation.state
+        size.update(options=sorted({*_SIZES, str(state.n)}, key=int), value=str(state.n))
+        coarsest.update(options=sorted({*_COARSEST, str(state.coarsest)}, key=int), value=str(state.coarsest))
+        combine.value, threshold.value = state.combine, state.threshold
+
+    laboratory.listeners.append(show)
+    return column(
+        heading("Simulation"), row(size, coarsest, combine, threshold),
+        Div(text="measured besides the paper's errors:", margin=(0, 5, 0, 5)), compared,
+        button("Begin anew with these", "begin", lambda: laboratory.begin(settings), do, 310),
+    )  # fmt: skip
+
+
+def propagation_controls(laboratory: Laboratory) -> UIElement:
+    """Propagator and factor, which hold from the next step on."""
+    propagator = Select(title="propagator", options=list(PROPAGATORS), width=145, name="propagator")
+    factor = TextInput(title="factor, or one a level", width=145, name="factor")
 
     def set_propagator(attr: str, old: str, new: str) -> None:
         if new != laboratory.simulation.state.propagator.name:
             laboratory.act("another propagator", lambda: laboratory.simulation.set_propagator(new))
 
+    def set_factor(attr: str, old: str, new: str) -> None:
+        if new != _factors(laboratory.simulation.state.factors):
+            laboratory.act("another factor", lambda: laboratory.simulation.set_factor(entries.factor(new)))
+
     def show() -> None:
         state = laboratory.simulation.state
-        size.value, combine.value = str(state.n), state.combine
         propagator.value, factor.value = state.propagator.name, _factors(state.factors)
 
+    show()
     laboratory.listeners.append(show)
     propagator.on_change("value", set_propagator)
     factor.on_change("value", set_factor)
-    return column(
-        heading("Simulation"), row(size, combine, propagator),
-        row(factor, column(Div(text="&nbsp;", height=13), button("Begin anew", "begin", begin, do, 130))),
-        Div(text="measured besides the paper's errors, from the next beginning on:", margin=(0, 5, 0, 5)), compared,
-    )  # fmt: skip
+    return row(propagator, factor)
 
 
 def _factors(factors: tuple[float, ...]) -> str:
@@ -138,7 +153,7 @@ def action_controls(laboratory: Laboratory, do: Do) -> UIElement:
     single += [button(name.capitalize(), name, act(name), do) for name in ("propagate", "merge", "clear")]
     below = Div(text="&nbsp;", height=13)
     return column(
-        heading("Actions"), row(*single[:3]), row(*single[3:]),
+        heading("Actions"), propagation_controls(laboratory), row(*single[:3]), row(*single[3:]),
         row(button("Step: propagate and accumulate", "step", laboratory.step, do, 310, "primary")),
         row(rounds, column(below, button("Run the whole algorithm", "run", whole, do, 200, "primary"))),
         row(button("Undo", "undo", laboratory.undo, do, 150), button("Redo", "redo", laboratory.redo, do, 150)),

@@ -52,12 +52,13 @@ class Laboratory:
         level = "all levels" if self.view.level is None else f"level {self.view.level}"
         self.act(f"looking at {self.view.axis} = {self.view.index}, {level}", lambda: None)
 
-    def begin(self, **settings: Any) -> None:
-        """A new, dark simulation with the same injectors and occluders; the old one cannot be brought back."""
+    def begin(self, settings: Callable[[], dict[str, Any]]) -> None:
+        """A new, dark simulation of those settings (`Simulation`), with the same injectors and occluders; the old one
+        cannot be brought back."""
 
         def anew() -> None:
             old = self.simulation.state
-            self.simulation = Simulation(**settings, injectors=old.injectors, occluders=old.occluders)
+            self.simulation = Simulation(**settings(), injectors=old.injectors, occluders=old.occluders)
             n = self.simulation.state.n
             self.view = replace(self.view, index=self.view.index * n // old.n, level=None)
 
