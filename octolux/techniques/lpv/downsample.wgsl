@@ -1,9 +1,11 @@
 // Downsampling (OLPV 4.2, eq. 11): each parent from its eight children, up to three levels in one dispatch. A workgroup
-// makes 4 x 4 x 4 parents of the first level, from which it goes on in its own memory.
+// makes 4 x 4 x 4 parents of the first level, from which it goes on in its own memory if there are more.
 // Cells have {{ per_cell }} numbers of four; levels lie behind one another in `cells`.
 
+{% if levels|length > 2 %}
 var<workgroup> parents: array<vec4f, {{ 64 * per_cell }}>;
 var<workgroup> grandparents: array<vec4f, {{ 8 * per_cell }}>;
+{% endif %}
 
 fn combined(sum: vec4f) -> vec4f {
     return {% if limit %}min(vec4f({{ limit }}), {{ factor }} * sum){% else %}{{ factor }} * sum{% endif %};
@@ -25,7 +27,9 @@ fn main(@builtin(global_invocation_id) cell: vec3u, @builtin(local_invocation_id
             }
             cells[{{ per_cell }}u * ({{ parent.first }}u + place(cell, {{ parent.n }}u)) + k] = combined(sum);
         }
+        {% if levels|length > 2 %}
         parents[{{ per_cell }}u * place(at, 4u) + k] = combined(sum);
+        {% endif %}
     }
     {% for level in levels[2:] %}
     {% set tile, edge, own = ("parents", 4, 2) if loop.first else ("grandparents", 2, 1) %}

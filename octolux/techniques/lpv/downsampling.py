@@ -10,6 +10,7 @@ from ...gpu.passes import ComputePass
 from .levels import Levels
 
 _AT_ONCE = 3  # levels that a workgroup makes in one dispatch
+# But the first, which has most of the cells, comes alone: it is twice as fast where no thread waits for another.
 
 
 class Downsampling:
@@ -23,8 +24,9 @@ class Downsampling:
         self, device: Device, levels: Levels, *, per_cell: int, factor: float = 1.0, limit: float | None = None
     ):
         self._passes: list[tuple[int, ComputePass]] = []
-        for base in range(0, len(levels.sizes) - 1, _AT_ONCE):
-            numbers = range(base, min(base + _AT_ONCE + 1, len(levels.sizes)))
+        last = len(levels.sizes) - 1
+        for base in (0, *range(1, last, _AT_ONCE)) if last else ():
+            numbers = range(base, min(base + _AT_ONCE if base else 1, last) + 1)
             described = [{"n": levels.sizes[i], "first": levels.first(i)} for i in numbers]
             made = ComputePass(
                 device, "downsample", "techniques/lpv/downsample.wgsl", [storage_rw("cells", "vec4f")],

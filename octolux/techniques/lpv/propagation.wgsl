@@ -11,6 +11,8 @@
 {# What the geometry volume lets through the face of cell `key` at the upper or lower end of `axis`, to light along `travel`. #}
 {% macro passing(key, axis, upper, travel) %}{% if occluded %}passes_{{ key }}_{{ axis }}{{ upper|int }}.{{ travel }} * {% endif %}{% endmacro %}
 
+{% macro beside(offset, row, slab) %}{{ 3 * offset[0] }} + {{ offset[1] }} * {{ row }} + {{ offset[2] }} * {{ slab }}{% endmacro %}
+
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let thread = thread_of(id);
@@ -20,6 +22,15 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if number >= blocks.x * blocks.y * blocks.z { return; }
     let block = vec3u(number % blocks.x, (number / blocks.x) % blocks.y, number / (blocks.x * blocks.y));
     let base = vec3i(block) * vec3i({{ block|join(", ") }});
+    // Where the block's lower cell lies, and how far its neighbours in y and z are.
+    let row = 3 * (level.n + 2);
+    let slab = row * (level.n + 2);
+    let here = i32(stored_index(level, base, 0u));
+    {% if adds %}
+    let light_row = 3 * level.n;
+    let light_slab = light_row * level.n;
+    let light_here = i32(light_index(level, base, 0u));
+    {% endif %}
     {% for cell in block_cells if marks and adds %}
     var largest_{{ loop.index0 }} = 0.0;
     {% endfor %}
@@ -42,7 +53,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         {% endfor %}
         {% for source in sources %}
         {
-            let e = load(level, base + vec3i({{ source.offset|join(", ") }}), channel);
+            let e = load_at(u32(here + i32(channel) + {{ beside(source.offset, "row", "slab") }}));
             {% for use in source.uses %}
             {{ step.receive(use.cell, use.axis, use.sign, passing) }}
             {% endfor %}
@@ -53,15 +64,14 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         {% endfor %}
         {% for cell in block_cells %}
         {
-            let cell = base + vec3i({{ cell|join(", ") }});
             let c = vec4f({{ lobe0 }} * total_{{ loop.index0 }}, {{ lobe1 }} * vector_{{ loop.index0 }}.yzx);
             {% if adds %}
-            light[light_index(level, cell, channel)] += c{% if adds == 2 %} + former_{{ loop.index0 }}{% endif %};
+            light[u32(light_here + i32(channel) + {{ beside(cell, "light_row", "light_slab") }})] += c{% if adds == 2 %} + former_{{ loop.index0 }}{% endif %};
             {% endif %}
             {% if adds and marks %}
             largest_{{ loop.index0 }} = max(largest_{{ loop.index0 }}, {% if adds == 2 %}max(c.x, former_{{ loop.index0 }}.x){% else %}c.x{% endif %});
             {% endif %}
-            store(level, cell, channel, to_emission(c));
+            store_at(u32(here + i32(channel) + {{ beside(cell, "row", "slab") }}), to_emission(c));
         }
         {% endfor %}
     }
