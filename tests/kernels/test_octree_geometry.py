@@ -1,0 +1,171 @@
+"""The geometry volume on the device (surfels_*.wgsl, pack_shares.wgsl) against the simulator's, and a wall seen."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from gpu_tools import one_stage, random_directions, read_buffer, scene_of, small_settings
+
+from octolux.frame.structs import VPL
+from octolux.renderer import Renderer
+from octolux.scene.builtin.shapes import quad
+from octolux.scene.cameras import Camera
+from octolux.scene.lights import DirectionalLight, PointLight
+from octolux.scene.materials import Material
+from octolux.simulator.camera import pack_normals, unpack_normals
+from octolux.simulator.grid import Grid
+from octolux.simulator.lpv import geometry as reference
+from octolux.simulator.lpv.octree import level_sizes
+from octolux.techniques.lpv.constants import pack_grid
+from octolux.techniques.lpv.geometry import GeometryVolume
+from octolux.techniques.lpv.levels import Levels
+
+N = 16
+GRID = Grid((-1.0, -0.5, 2.0), 0.25, N)
+LEVELS = Levels(level_sizes(N))
+FIXED_POINT = 0.5 / 65536  # of a share, for each surfel
+
+
+def random_surfels(rng, count: int, area: float) -> np.ndarray:
+    """In and around the grid, none within 0.01 cells of a face, where float32 and float64 may choose other cells; every
+    seventh texel meets nothing."""
+    vpls = VPL.array(count)
+    vpls["normal"] = pack_normals(random_directions(rng, count))
+    cells = rng.integers(-2, N + 2, (count, 3)) + rng.uniform(0.01, 0.99, (count, 3))
+    vpls["position"] = GRID.origin + GRID.cell_size * cells
+    vpls["area"] = rng.uniform(0.0, area, count)
+    vpls["area"][3::7] = 0.0
+    return vpls
+
+
+def inject(vpls: np.ndarray) -> np.ndarray:
+    position = vpls["position"].astype(np.float64)
+    return reference.inject_surfels(position, unpack_normals(vpls["normal"]), vpls["area"].astype(np.float64), GRID)
+
+
+def run(device, made: GeometryVolume, groups: list[np.ndarray], lamps: int | None = None) -> list[np.ndarray]:
+    """Shares [z][y][x][3] of all levels; a group is a light's VPLs, and the first `lamps` lights count."""
+    starts = np.cumsum([0, *(len(g) for g in groups)])
+    vpls = VPL.array(max(1, int(starts[-1])))
+    for start, group in zip(starts, groups, strict=False):
+        vpls[start : start + len(group)] = group
+    frame = SimpleNamespace(
+        vpls=device.buffer("vpls", vpls), lights=SimpleNamespace(lamps=len(groups) if lamps is None else lamps),
+        vpl_ranges=[(int(s), len(g)) for s, g in zip(starts, groups, strict=False)],
+    )  # fmt: skip
+    with one_stage(device) as stage:
+        made.run(stage, frame, device.uniform("grid", pack_grid(GRID)))
+    flat = read_buffer(device, made.shares).reshape(-1, 4)[:, :3]
+    return [flat[LEVELS.first(i) :][: n**3].reshape(n, n, n, 3) for i, n in enumerate(LEVELS.sizes)]
+
+
+@pytest.fixture(scope="module")
+def made(device):
+    return GeometryVolume(device, LEVELS, camera=False)
+
+
+def test_surfels_of_three_lights(device, made):
+    """Of all lights the most counts. Sums err by half a step of fixed point for each surfel, and by 1e-5 for normals
+    and areas in float32."""
+    rng = np.random.default_rng(1)
+    groups = [random_surfels(rng, count, 0.1) for count in (20000, 3000, 1)]
+    found = run(device, made, groups)
+    expected = reference.geometry_levels(reference.merge_buffers([inject(g) for g in groups]))
+    most = max(np.bincount(cell_numbers(g)).max() for g in groups)
+    for f, e in zip(found, expected, strict=True):
+        np.testing.assert_allclose(f, e, rtol=1e-5, atol=most * FIXED_POINT)
+    assert 0.05 < (found[0] == 1.0).mean() < 0.95
+
+
+def cell_numbers(vpls: np.ndarray) -> np.ndarray:
+    cells = np.clip(GRID.cell_of(vpls["position"].astype(np.float64)), 0, N - 1)
+    return np.ravel_multi_index(cells.T, (N, N, N))
+
+
+def test_frames_are_independent(device, made):
+    """Nothing is left of a frame with more surfels and more lights."""
+    rng = np.random.default_rng(2)
+    few = [random_surfels(rng, 500, 0.1)]
+    first = run(device, made, few)
+    run(device, made, [random_surfels(rng, 9000, 0.3) for _ in range(3)])
+    again = run(device, made, few)
+    assert all(np.array_equal(a, b) for a, b in zip(first, again, strict=True)) and first[0].any()
+
+
+def test_soft_lights_do_not_count(device, made):
+    groups = [random_surfels(np.random.default_rng(seed), 500, 0.1) for seed in (3, 4)]
+    one, two = run(device, made, groups[:1]), run(device, made, groups, lamps=1)
+    assert all(np.array_equal(a, b) for a, b in zip(one, two, strict=True))
+    assert not any(level.any() for level in run(device, made, groups, lamps=0))
+
+
+def test_a_cell_with_too_much_is_closed(device, made):
+    """A hundred thousand large surfels in a cell: fixed point does not overflow."""
+    vpls = VPL.array(100_000)
+    vpls["normal"], vpls["area"] = pack_normals(np.array([0.0, 0.0, 1.0])), 1e3
+    vpls["position"] = np.array(GRID.origin) + 5.3 * GRID.cell_size
+    found = run(device, made, [vpls])[0]
+    assert found[5, 5, 5, 2] == 1.0 and np.count_nonzero(found[..., 2]) == 1
+
+
+def test_packed_shares_are_the_nearest_bytes(device, made):
+    levels = run(device, made, [random_surfels(np.random.default_rng(5), 5000, 0.1)])
+    words = read_buffer(device, made.packed, np.uint32)[: LEVELS.cells]
+    packed = np.stack([words >> shift & 255 for shift in (0, 8, 16)], axis=-1) / 255.0
+    shares = np.concatenate([level.reshape(-1, 3) for level in levels])
+    assert np.abs(packed - shares).max() <= 1 / 510 + 2.0**-23
+    assert np.array_equal(packed == 1.0, shares > 1.0 - 1 / 510)
+
+
+# A wall of 2 x 2 m. What lies behind it, hidden, keeps it off the faces of the cells in the middle of the volume.
+WALL = quad([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)])
+HIDDEN = quad([(-0.1, -0.1, -0.1), (0.1, -0.1, -0.1), (0.1, 0.1, -0.1), (-0.1, 0.1, -0.1)])
+IN_FRONT = Camera.look_at((0.0, 0.0, 1.5), (0.0, 0.0, 0.0), vertical_fov=2 * np.arctan(1.1 / 1.5))
+LIGHTS = {
+    "point": PointLight(position=(0.0, 0.0, 1.5), intensity=(1.0, 1.0, 1.0)),
+    "sun": DirectionalLight(direction=(0.1, -0.2, -1.0), illuminance=(1.0, 1.0, 1.0)),
+}
+
+
+def wall_shares(device, lights, *, camera: bool, view=IN_FRONT) -> np.ndarray:
+    """Share across z of the cells of level 0 in which the wall lies; no others are blocked."""
+    scene = scene_of([WALL, HIDDEN], [Material(double_sided=True)], lights=lights)
+    renderer = Renderer(
+        scene, "octree-lpv", settings={"n": N, "camera_surfels": camera}, size=(256, 256), device=device,
+        frame_settings=small_settings(shadow_resolution=256, rsm_resolution=256), default_light=False, exposure=0.0,
+    )  # fmt: skip
+    renderer.render(view)
+    blocked = renderer.technique.debug_views()["blocked"][0]
+    layer = renderer.technique.grid.cell_of([0.0, 0.0, 0.0])[2]
+    assert not np.delete(blocked, layer, axis=0).any()
+    assert blocked[..., :2].max() <= 0.01  # normals have 12 bits in the G-buffer and 16 in an RSM
+    assert (blocked[layer, ..., 2] > 0.5).sum() == (N - 2) ** 2  # the default volume has a cell around the scene
+    return blocked[layer, 1:-1, 1:-1, 2]
+
+
+@pytest.mark.parametrize("names", [["point"], ["sun"], ["camera"], ["point", "sun", "camera"]], ids=" ".join)
+def test_a_wall_in_a_picture(device, names):
+    """Shares of about 1, however many buffers have seen it: not their sum. A cell is 12 texels wide for the point light
+    (90 degrees, 256 texels over 3 m) and more for the others; those that lie in it are one row less at worst at either
+    end of each direction."""
+    shares = wall_shares(device, [LIGHTS[n] for n in names if n in LIGHTS], camera="camera" in names)
+    assert shares.max() <= 1.0 and shares.min() > (1 - 2 / 12) ** 2 and shares.mean() > 1 - 2 / 12
+
+
+@pytest.mark.parametrize("height", [None, 3.0], ids=["perspective", "orthographic"])
+def test_a_wall_seen_from_aside(device, height):
+    """Areas grow with distance and slant. A cell (1/7 m) is at least 8 pixels wide: 256 pixels over 3 m, or 2.5 m away
+    152 / 2.5 a metre, seen at an angle of 0.85 of its width."""
+    view = Camera.look_at((0.9, 0.3, 1.5), (0.0, 0.0, 0.0), vertical_fov=1.4, orthographic_height=height)
+    shares = wall_shares(device, [], camera=True, view=view)
+    assert shares.max() <= 1.0 and shares.min() > (1 - 2 / 8) ** 2 and shares.mean() > 1 - 2 / 8
+
+
+def test_what_the_camera_does_not_see_does_not_count(device):
+    scene = scene_of([WALL], [Material(double_sided=True)], lights=[])
+    renderer = Renderer(scene, "octree-lpv", settings={"n": N}, size=(32, 32), device=device, exposure=0.0,
+                        frame_settings=small_settings(), default_light=False)  # fmt: skip
+    renderer.render(Camera.look_at((0.0, 0.0, 1.5), (0.0, 0.0, 3.0)))
+    assert not any(level.any() for level in renderer.technique.debug_views()["blocked"])
