@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from math import prod
 from typing import Any
 
+import numpy as np
+
 WORKGROUP = 32  # threads of a pass over all levels; a level's threads fill whole workgroups
 ROW = 32768 * WORKGROUP  # threads in a row of a dispatch: a dimension has at most 65,535 workgroups
 
@@ -49,3 +51,8 @@ class Levels:
                            "end": first + threads[i]})  # fmt: skip
             stored += (n + 2) ** 3
         return result
+
+    def split(self, cells: np.ndarray) -> list[np.ndarray]:
+        """`cells` of all levels, (cells, ...), as one array [z][y][x]... for each."""
+        firsts = [self.first(i) for i in range(len(self.sizes))]
+        return [cells[f : f + n**3].reshape(n, n, n, *cells.shape[1:]) for f, n in zip(firsts, self.sizes, strict=True)]

@@ -16,8 +16,8 @@ from .levels import ROW, WORKGROUP, Levels
 # Cells a thread does: neighbours in y and z share loads, while threads side by side in x read what lies side by side.
 # Each cell is a neighbour of another in its block, so all of the block's own cells are read.
 BLOCK = (1, 2, 2)
-_CELL_TYPES = {"f32": "vec4f", "f16": "vec2u"}
-_CELL_BYTES = {"f32": 48, "f16": 24}
+CELL_TYPES = {"f32": "vec4f", "f16": "vec2u"}
+CELL_BYTES = {"f32": 48, "f16": 24}
 
 
 def block_sources(block: tuple[int, int, int] = BLOCK) -> list[dict[str, Any]]:
@@ -70,8 +70,8 @@ class Propagation:
     ):  # fmt: skip
         self.levels = Levels(sizes)
         self._travelled = Levels([n for n in sizes if n > 1])
-        self._device, self.kind = device, _CELL_TYPES[cell_format]
-        size = self.levels.stored * _CELL_BYTES[cell_format]
+        self._device, self.kind = device, CELL_TYPES[cell_format]
+        size = self.levels.stored * CELL_BYTES[cell_format]
         self._cells = [device.buffer("LPV cells", size=size) for _ in range(2)]
         self.light = device.buffer("LPV accumulated light", size=self.levels.cells * 48)
         marks = threshold is not None

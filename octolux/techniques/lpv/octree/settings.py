@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...settings import Settings, setting
+from ...settings import Settings, SettingsError, setting
 
 
 @dataclass(frozen=True)
@@ -19,12 +19,15 @@ class OctreeLpvSettings(Settings):
         source="OLPV 4.2, 5.2",
     )  # fmt: skip
     propagation: str = setting(
-        "gather", meaning="how light spreads: straight, each way on the level that suits its length; or by steps on "
-        "every level, merged", unit="", allowed=("gather", "steps"),
-        cost="gather takes more time on a CPU and is much nearer to the truth", source="OLPV 4.2 and 7.1",
+        "gather", meaning="how light spreads: straight, each way on the level that suits its length; by steps on "
+        "every level, merged; or by steps through each region on one level alone", unit="",
+        allowed=("gather", "steps", "sparse"),
+        cost="gather takes more time on a CPU and is much nearer to the truth; sparse needs the least memory",
+        source="OLPV 4.2 and 7.1",
     )  # fmt: skip
     occlusion: bool = setting(
-        True, meaning="surfaces between block light, through the geometry volume", unit="", allowed=(False, True),
+        True, meaning="surfaces between block light, through the geometry volume; not with sparse", unit="",
+        allowed=(False, True),
         cost="some half of the gathering; without it light goes through walls", source="CLPV 3.2, OLPV 5.2",
     )  # fmt: skip
     camera_surfels: bool = setting(
@@ -36,12 +39,16 @@ class OctreeLpvSettings(Settings):
         allowed=("seen", "all"), cost="all: several times the time, for looking into the volume", source="ours",
     )  # fmt: skip
     iterations: int = setting(
-        4, meaning="propagation steps k on every level", unit="steps", allowed=[0, 128],
+        4, meaning="propagation steps k on every level", unit="steps", allowed=[0, 256],
         cost="time is proportional; more makes finer levels reach farther", source="OLPV 4.2, 6",
     )  # fmt: skip
     coarsest: int = setting(
         1, meaning="cells along each side of the coarsest level", unit="cells", allowed=(1, 2),
         cost="none; the thesis had no texture of one texel", source="OLPV 5.2",
+    )  # fmt: skip
+    margin: int = setting(
+        1, meaning="sparse: cells of each level, at least, around what is finer", unit="cells", allowed=(1, 2, 3),
+        cost="more keeps larger parts of the volume fine: memory, and time", source="OLPV 7.1",
     )  # fmt: skip
     combine: str = setting(
         "sum", meaning="a parent from its eight children: their sum keeps flux, read with the parent's cell size",
@@ -91,8 +98,18 @@ class OctreeLpvSettings(Settings):
         source="OLPV 5.2 (f32), CLPV 6 (f16)",
     )  # fmt: skip
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.propagation != "sparse":
+            return
+        if self.occlusion:
+            raise SettingsError("Sparse propagation has no occlusion. Set occlusion=false, or use the preset 'sparse'.")
+        if self.combine != "sum":
+            raise SettingsError("Sparse propagation keeps flux: a leaf has the sum of its children. Set combine=sum.")
+
     PRESETS: ClassVar[dict[str, dict[str, Any]]] = {
         "steps": {"propagation": "steps", "occlusion": False},
+        "sparse": {"propagation": "sparse", "occlusion": False, "iterations": 16},
         "thesis": {
             "propagation": "steps", "occlusion": False, "coarsest": 2, "combine": "average", "merge": "index",
             "evaluation": "clamped", "reprojection": "face", "gain": 0.75, "injection": "thesis", "reading": "thesis",

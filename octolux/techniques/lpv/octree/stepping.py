@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from ....gpu.bindings import Binding, storage, storage_rw, storage_texture
 from ....gpu.device import Device
 from ....gpu.passes import ComputePass
 from ....simulator.lpv.octree import reading_factor
+from ..constants import storage_scale
 from ..levels import Levels
 from ..lookup import CHANNELS, Lookup
 from ..propagation import Propagation
@@ -19,7 +22,7 @@ class Stepping:
 
     def __init__(self, device: Device, levels: Levels, settings: OctreeLpvSettings):
         s = settings
-        self.levels, self._settings = levels, s
+        self.levels, self._settings, self._device = levels, s, device
         self.propagation = Propagation(
             device, levels.sizes, evaluation=s.evaluation, reprojection=s.reprojection, gain=s.gain,
             cell_format=s.cell_format, threshold=s.threshold if s.merge == "index" else None, occlusion=s.occlusion,
@@ -71,3 +74,8 @@ class Stepping:
             **volumes}
             edge = self.levels.sizes[level]
             self._merges[level].run(stage, (edge,) * 3, **{k: v for k, v in given.items() if k in names})
+
+    def accumulated(self, peak: float) -> list[np.ndarray]:
+        """float32 [z][y][x][rgb][4] on each level, W/sr."""
+        flat = np.frombuffer(self._device.queue.read_buffer(self.propagation.light), np.float32)
+        return [level / storage_scale(peak) for level in self.levels.split(flat.reshape(-1, 3, 4))]

@@ -10,7 +10,7 @@ from ....frame.frame import COPY, STORAGE, TEXTURE, Frame
 from ....gpu.device import Device
 from ....simulator.lpv.octree import level_sizes
 from ...technique import Technique
-from ..constants import GRID, pack_grid, storage_scale
+from ..constants import GRID, pack_grid
 from ..downsampling import Downsampling
 from ..geometry import GeometryVolume
 from ..injection import Injection
@@ -18,6 +18,7 @@ from ..levels import Levels
 from ..volume import scene_grid, vpl_sources
 from .gathering import Gathering
 from .settings import OctreeLpvSettings
+from .sparse import SparseStepping
 from .stepping import Stepping
 
 
@@ -41,10 +42,13 @@ class OctreeLpv(Technique):
         self._grid_buffer = device.uniform("LPV grid", GRID.array(1))
         self.geometry = GeometryVolume(device, self.levels, s.camera_surfels) if s.occlusion else None
         self._blocker_grid_buffer = device.uniform("LPV grid", GRID.array(1))
+        self.stepping: Stepping | SparseStepping
         if s.propagation == "gather":
             self.gathering = Gathering(
                 device, self.levels, occlusion=s.occlusion, lookup_offset=s.lookup_offset, everywhere=s.cells == "all"
             )
+        elif s.propagation == "sparse":
+            self.stepping = SparseStepping(device, s)
         else:
             self.stepping = Stepping(device, self.levels, s)
         self._irradiance: Any = None
@@ -55,7 +59,7 @@ class OctreeLpv(Technique):
         # Steps pass cells' faces, in whose corners the geometry volume's cells then lie (CLPV 3.2); gathering marches.
         aside = 0.5 if self.settings.propagation == "steps" else 0.0
         self.device.write(self._blocker_grid_buffer, pack_grid(self.grid.moved(aside)))
-        if self.settings.propagation == "steps":
+        if self.settings.propagation != "gather":
             self.stepping.lookup.prepare(frame.pixels)
             frame.irradiance = self.stepping.lookup.irradiance
             return
@@ -76,13 +80,13 @@ class OctreeLpv(Technique):
             self.downsampling.run(stage, self.injection.injected)
             if self.settings.propagation == "gather":
                 self.gathering.update(stage, self.injection.injected)
-        if self.settings.propagation == "steps":
-            shares = self.geometry.shares if self.geometry else None
-            self.stepping.run(profiler, self.injection.injected, self.injection.peak, shares)
+        if self.settings.propagation != "gather":
+            shares = [self.geometry.shares] if self.geometry else []
+            self.stepping.run(profiler, self.injection.injected, self.injection.peak, *shares)
 
     def shade(self, frame: Frame) -> None:
         peak = self.injection.peak
-        if self.settings.propagation == "steps":
+        if self.settings.propagation != "gather":
             with frame.profiler.stage("lookup") as stage:
                 self.stepping.lookup.read(stage, frame, self._grid_buffer, peak)
             return
@@ -96,15 +100,12 @@ class OctreeLpv(Technique):
         """"injected", and after steps "accumulated": a list of float32 [z][y][x][rgb][4], W/sr, one for each level;
         "blocked": the same of [z][y][x][3], shares of the cross section."""
         views = {"injected": self._read(self.injection.injected, (3, 4))}
-        if self.settings.propagation == "steps":
+        if self.settings.propagation != "gather":
             peak = np.frombuffer(self.device.queue.read_buffer(self.injection.peak), np.float32)[0]
-            scaled = self._read(self.stepping.propagation.light, (3, 4))
-            views["accumulated"] = [level / storage_scale(peak) for level in scaled]
+            views["accumulated"] = self.stepping.accumulated(peak)
         if self.geometry:
             views["blocked"] = [level[..., :3] for level in self._read(self.geometry.shares, (4,))]
         return views
 
     def _read(self, buffer: Any, cell: tuple[int, ...]) -> list[np.ndarray]:
-        flat = np.frombuffer(self.device.queue.read_buffer(buffer), np.float32).reshape(-1, *cell)
-        firsts = [self.levels.first(i) for i in range(len(self.levels.sizes))]
-        return [flat[f : f + n**3].reshape(n, n, n, *cell) for f, n in zip(firsts, self.levels.sizes, strict=True)]
+        return self.levels.split(np.frombuffer(self.device.queue.read_buffer(buffer), np.float32).reshape(-1, *cell))
