@@ -11,6 +11,7 @@ from benchmarks import olpv_artefacts, olpv_sweep, olpv_table1
 from benchmarks.olpv_jumps import DEFAULT, STEPS, THESIS, element, excess_steps, wall
 from benchmarks.olpv_parts import OTHER, PARTS, Times, part_of
 from benchmarks.olpv_table1 import UNIFORM, measured, rows, tables
+from octolux.gpu.device import DeviceError
 
 SMALL = (32, 18)
 
@@ -78,7 +79,7 @@ def test_tables_are_written(found, monkeypatch, capsys, tmp_path):
 
 
 def test_the_sweep():
-    """More cells are more memory; times are over those of n = 32."""
+    """More cells are more memory; times are over those of a technique's first row."""
     costs = olpv_sweep.swept("atrium", ("octree-lpv:thesis,n=16", "octree-lpv:thesis,n=32", "octree-lpv,n=16"), 1)
     assert [c.cells for c in costs] == [16**3 + 8**3 + 4**3 + 2**3, 32**3 + 16**3 + 8**3 + 4**3 + 2**3,
                                         sum(8**i for i in range(5))]  # fmt: skip
@@ -87,8 +88,20 @@ def test_the_sweep():
     assert (34 / 18) ** 3 < growth < 8.0  # all else is by cells, some of it with a border
     assert [c.k for c in costs] == [4, 4, None]
     lines = olpv_sweep.rows(costs)
-    assert [line[5] for line in lines if line[1] == "32"] == ["1.00"]
-    assert next(line for line in lines if line[0] == "octree-lpv")[2:6:3] == ("–", "–")
+    assert [(line[0], line[1], line[2]) for line in lines[1:]] == [
+        ("octree-lpv", "16", "–"), ("octree-lpv:thesis", "16", "4"), ("octree-lpv:thesis", "32", "4")
+    ]  # fmt: skip
+    assert lines[1][5] == lines[2][5] == "1.00"
+    assert float(lines[3][5]) == pytest.approx(costs[1].milliseconds / costs[0].milliseconds, abs=0.005)
+
+
+def test_what_a_device_does_not_hold_is_left_open(monkeypatch):
+    def refused(*given, **more):
+        raise DeviceError("'LPV cells' needs 130 MiB; one binding holds 128 MiB.")
+
+    monkeypatch.setattr(olpv_sweep, "kept", refused)
+    lines = olpv_sweep.rows(olpv_sweep.swept("atrium", ("octree-lpv:thesis,n=128",), 1))
+    assert lines[1] == ("octree-lpv:thesis", "128", "4", "2,396,744", "–", "–", "–")
 
 
 @pytest.mark.parametrize(
