@@ -123,13 +123,14 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) th
                 let number = 4u * listed[k];
                 let way = point - nodes[number].xyz;
                 let square = dot(way, way);
-                let direction = way * inverseSqrt(max(square, 1e-12));
+                let direction = way * inverseSqrt(max(square, 0.25));
                 var arriving: vec3f;
                 {% for channel in range(3) %}
                 let lobe_{{ channel }} = nodes[number + {{ 1 + channel }}u];
                 arriving[{{ channel }}] = lobe_{{ channel }}.w + max(0.0, dot(lobe_{{ channel }}.xyz, direction));
                 {% endfor %}
-                let counts_here = takes(level, node, cell) && any(arriving > vec3f(0.0));
+                // A cell does not light itself: between its middle and its light's place lies nothing but rounding.
+                let counts_here = square > 0.25 && takes(level, node, cell) && any(arriving > vec3f(0.0));
                 var weight = select(0.0, 1.0 / (square + {{ spread }} * size * size), counts_here);
                 {% if occlusion %}
                 weight *= passing(point, -direction, select(0.0, sqrt(square), counts_here), size);
