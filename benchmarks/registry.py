@@ -16,7 +16,8 @@ from octolux.techniques.settings import suggest
 MODULES = (
     "closed_form", "injected_flux", "readings", "kernels", "light_kernels", "determinism", "ground_truth",
     "comparison", "stages", "injection", "propagation", "shadow_faces", "raytracing", "path_tracing", "crytek",
-    "loading", "bad_input", "mutated", "live", "sequences", "olpv_kernels", "olpv_table1", "olpv_artefacts",
+    "loading", "bad_input", "mutated", "live", "sequences", "olpv_kernels", "olpv_table1", "olpv_sparse",
+    "olpv_artefacts",
 )  # fmt: skip
 
 

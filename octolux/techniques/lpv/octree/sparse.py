@@ -50,7 +50,7 @@ def _directions() -> list[dict[str, Any]]:
 
 
 class Tree:
-    """Which cells are split, found anew each frame. After `count_bricks`, `bricks` of them: 7 bricks + 1 leaves.
+    """Which cells are split, found anew each frame. After `count_bricks`, `bricks` of them.
 
     numbers: u32 of each cell of level 1 and above, its children's brick counted from 1, or 0.  nodes: u32 of each
     brick, where it lies (sparse_nodes.wgsl).  count: u32, how many there are.
@@ -89,6 +89,11 @@ class Tree:
         """Waits for the device; what `build` was recorded in has been submitted."""
         self.bricks = int(np.frombuffer(self._device.queue.read_buffer(self.count, 0, 4), np.uint32)[0])
         return self.bricks
+
+    @property
+    def leaves(self) -> int:
+        """How many leaves there were when bricks were counted: each split cell but the root is a slot that is none."""
+        return (_SLOTS - 1) * self.bricks + 1
 
     def places(self) -> tuple[np.ndarray, np.ndarray]:
         """Level and (x, y, z) of each slot, (slots,) and (slots, 3)."""
