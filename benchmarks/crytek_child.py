@@ -43,7 +43,9 @@ def first_upload(scene: Scene, device: Device) -> float:
 def frames(scene: Scene, device: Device, count: int, profile: bool) -> dict[str, Any]:
     """Times, ms, of `count` frames after the warm-up: median and least `frame` from the first command to finished work,
     median `render` with culling and with the layers read back; and of every stage when `profile` is set."""
-    renderer = Renderer(scene, settings=dict(SETTINGS), size=SIZE, device=device, profile=profile, frame_settings=MAPS)
+    renderer = Renderer(
+        scene, "uniform-lpv", settings=dict(SETTINGS), size=SIZE, device=device, profile=profile, frame_settings=MAPS
+    )
     for _ in range(WARM_UP):
         renderer.render()
     renderer.profiler.clear()

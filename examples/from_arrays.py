@@ -20,6 +20,6 @@ scene.lights.append(octolux.DirectionalLight(direction=(1, -1, -0.5), illuminanc
 scene.cameras.append(octolux.Camera.look_at((0, 4, 8), (0, 0, 0), vertical_fov=radians(50)))
 scene.environment = octolux.Environment(radiance=(2000, 3000, 5000))  # nits
 
-picture = octolux.Renderer(scene, "uniform-lpv", size=(320, 240)).render()
+picture = octolux.Renderer(scene, "octree-lpv", size=(320, 240)).render()
 picture.save("hills.png")
 print(scene.triangle_count, "triangles, mean radiance", picture.rgb.mean(), "nits")

@@ -2,7 +2,7 @@
 
     import octolux
     scene = octolux.load("cornell-box")
-    picture = octolux.Renderer(scene, "uniform-lpv", size=(640, 480)).render()
+    picture = octolux.Renderer(scene, "octree-lpv", size=(640, 480)).render()
     picture.rgb  # float32 (480, 640, 3), nits
 """
 

@@ -72,7 +72,7 @@ def _overrides(pairs: list[str]) -> dict[str, str]:
 @app.command(cls=console.GroupedCommand)
 def render(
     scene: cli_options.Scene,
-    technique: cli_options.Technique = "uniform-lpv",
+    technique: cli_options.Technique = "octree-lpv",
     preset: cli_options.Preset = "default",
     set_: cli_options.Set = [],  # noqa: B006
     samples: cli_options.Paths = None,

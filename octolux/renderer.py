@@ -62,7 +62,7 @@ class Renderer:
     """
 
     def __init__(
-        self, scene: Scene, technique: str = "uniform-lpv", *, preset: str = "default",
+        self, scene: Scene, technique: str = "octree-lpv", *, preset: str = "default",
         settings: Settings | dict[str, Any] | None = None, size: tuple[int, int] = (1280, 720),
         exposure: float | None = None, anti_aliasing: str | int = "off", sequence: bool = False,
         tone_map: str = "neutral", transparent: bool = False,

@@ -31,8 +31,8 @@ def display(device: Device, scene: str, technique: str, size: tuple[int, int]) -
 def main() -> None:
     FOLDER.mkdir(parents=True, exist_ok=True)
     device = Device()
-    save("atrium", [display(device, "atrium", "uniform-lpv", (1280, 720))])
-    save("cornell-box", [display(device, "cornell-box", t, (480, 480)) for t in ("none", "uniform-lpv")])
+    save("atrium", [display(device, "atrium", "octree-lpv", (1280, 720))])
+    save("cornell-box", [display(device, "cornell-box", t, (480, 480)) for t in ("none", "octree-lpv")])
 
 
 if __name__ == "__main__":

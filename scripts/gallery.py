@@ -23,7 +23,7 @@ LARGEST = 100_000
 
 HEAD = """# Gallery
 
-The built-in scenes, each from each of its cameras, rendered with `uniform-lpv` at its default settings.
+The built-in scenes, each from each of its cameras, rendered with `octree-lpv` at its default settings.
 This page and its pictures are made by `.venv/bin/python scripts/gallery.py`.
 """
 

@@ -42,8 +42,11 @@ def png(path: Path) -> np.ndarray:
     return np.asarray(Image.open(path))
 
 
+UNIFORM = ("--technique", "uniform-lpv")
+
+
 def test_png_exr_and_statistics(render, folder, device):
-    done = render("cornell-box", "--set", "n=16", "--out", "a.png", "--out", "a.exr", "--stats", "a.json")
+    done = render("cornell-box", *UNIFORM, "--set", "n=16", "--out", "a.png", "--out", "a.exr", "--stats", "a.json")
     assert done.code == 0, done.err
     assert sorted(p.name for p in folder.iterdir()) == ["a.exr", "a.json", "a.png"]
     picture = picture_of(device, "cornell-box", n=16)
@@ -121,7 +124,7 @@ def test_camera_by_name_and_index(render, folder, two_cameras, device):
 
 def test_preset_and_settings(render, folder):
     """--set wins over --preset, and texts become numbers and truth values."""
-    done = render("cornell-box", "--preset", "paper", "--set", "n=16", "--set", "damping=false", "--stats", "p.json")
+    done = render("cornell-box", *UNIFORM, "--preset", "paper", "--set", "n=16", "--set", "damping=false", "--stats", "p.json")
     assert done.code == 0, done.err
     settings_class = TECHNIQUES["uniform-lpv"].settings_class
     expected = settings_class(**{**settings_class.PRESETS["paper"], "n": 16, "damping": False})

@@ -32,7 +32,9 @@ def test_every_preset_makes_settings_and_survives_text(name):
 
 def test_memory_of_the_volume_is_that_of_its_cells(device):
     n, pixels = 16, 64 * 48
-    renderer = octolux.Renderer(octolux.load("cornell-box"), settings={"n": n}, size=(64, 48), device=device)
+    renderer = octolux.Renderer(
+        octolux.load("cornell-box"), "uniform-lpv", settings={"n": n}, size=(64, 48), device=device
+    )
     before = renderer.technique.memory()
     renderer.render()
     held = renderer.technique.memory()
@@ -43,13 +45,28 @@ def test_memory_of_the_volume_is_that_of_its_cells(device):
 
 
 def test_debug_views_are_the_volume(device):
-    renderer = octolux.Renderer(octolux.load("cornell-box"), settings={"n": 16}, size=(64, 48), device=device)
+    renderer = octolux.Renderer(
+        octolux.load("cornell-box"), "uniform-lpv", settings={"n": 16}, size=(64, 48), device=device
+    )
     renderer.render()
     views = renderer.technique.debug_views()
     assert all(view.shape == (16, 16, 16, 3, 4) for view in views.values())
     # The sum begins with what was injected, and light is never negative.
     assert (views["accumulated"][..., 0] >= views["injected"][..., 0] * (1 - 1e-6)).all()
     assert np.isfinite(views["accumulated"]).all() and views["injected"][..., 0].max() > 0
+
+
+@pytest.mark.parametrize("name", ["uniform-lpv", "octree-lpv"])
+def test_twice_the_light_is_twice_the_irradiance(device, name):
+    """In the same bits: all scales are powers of two."""
+    scene, found = octolux.load("cornell-box"), []
+    for times in (1.0, 2.0):
+        lit = dataclasses.replace(scene, exposure=0.0)
+        lit.lights = [dataclasses.replace(x, intensity=tuple(times * i for i in x.intensity)) for x in scene.lights]
+        picture = octolux.Renderer(lit, name, settings={"n": 16}, size=(64, 48), device=device).render()
+        found.append(picture.layers["irradiance"])
+    assert found[0].max() > 0
+    np.testing.assert_array_equal(2.0 * found[0], found[1])
 
 
 @pytest.mark.parametrize(("name", "expected"), [
