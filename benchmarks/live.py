@@ -11,9 +11,10 @@ import octolux
 from .lab import device
 from .program import child
 from .registry import figure, within
-from .scenes_on_disk import path_of
+from .scenes_on_disk import SCENES, path_of
 
 FRAMES, EARLY = 500, 50
+OCTREE_FRAMES = 2000
 SIZE = (64, 36)
 
 
@@ -73,7 +74,21 @@ def _added(scene: octolux.Scene) -> None:
 )  # fmt: skip
 def long_run() -> dict[str, float]:
     """Memory after 500 frames against that after 50: two moving lamps and a running, skinned fox in the Cornell box."""
-    found = child("long_run_child", path_of("moving_fox"), str(FRAMES), str(EARLY))
+    return _growth(child("long_run_child", path_of("moving_fox"), str(FRAMES), str(EARLY)))
+
+
+@figure(
+    "long_run_octree", group="live",
+    unit={"resident_early": "MB", "resident_late": "MB", "resident_growth": "%", "device_growth": "%"},
+    bound={"resident_growth": within(0.0, 2.0), "device_growth": within(0.0, 2.0)},
+)  # fmt: skip
+def long_run_octree() -> dict[str, float]:
+    """The same of octree-lpv, 2,000 frames against 200: two moving lamps in the Cornell box, 64^2 pixels and RSMs."""
+    words = (SCENES / "moving_lamps.toml", str(OCTREE_FRAMES), str(OCTREE_FRAMES // 10), "octree-lpv", "default", "64")
+    return _growth(child("long_run_child", *words, seconds=1800.0))
+
+
+def _growth(found: dict[str, dict[str, float]]) -> dict[str, float]:
     early, late = found["early"], found["late"]
     return {
         "resident_early": early["resident"] / 1e6, "resident_late": late["resident"] / 1e6,

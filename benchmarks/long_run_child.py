@@ -1,4 +1,5 @@
-"""`python -m benchmarks.long_run_child SCENE FRAMES EARLY`: render many frames, and print memory early and late."""
+"""`python -m benchmarks.long_run_child SCENE FRAMES EARLY [TECHNIQUE PRESET EDGE]`: render many frames of EDGE^2
+pixels, and print memory early and late."""
 
 from __future__ import annotations
 
@@ -11,6 +12,7 @@ import octolux
 from octolux.frame.frame import FrameSettings
 
 FPS = 24.0
+DEFAULTS = ["uniform-lpv", "default", "160"]
 
 
 def resident_bytes() -> int:
@@ -20,9 +22,10 @@ def resident_bytes() -> int:
 
 def main() -> None:
     source, frames, early = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
+    technique, preset, edge = sys.argv[4:] or DEFAULTS
     scene = octolux.load(source)
     renderer = octolux.Renderer(
-        scene, size=(160, 160), sequence=True, anti_aliasing="auto",
+        scene, technique, preset=preset, size=(int(edge), int(edge)), sequence=True, anti_aliasing="auto",
         frame_settings=FrameSettings(shadow_resolution=256, rsm_resolution=64),
     )  # fmt: skip
     found = {}

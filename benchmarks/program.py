@@ -28,9 +28,9 @@ def octolux(
     return _run(["-c", "from octolux.cli import main; main()", *map(str, words)], folder, seconds)
 
 
-def child(module: str, *words: str | Path) -> Any:
+def child(module: str, *words: str | Path, seconds: float = 60.0 * _MINUTES) -> Any:
     """What `python -m benchmarks.MODULE WORDS` prints as JSON. Raises RuntimeError when it fails."""
-    done = _run(["-m", f"benchmarks.{module}", *map(str, words)], _REPOSITORY)
+    done = _run(["-m", f"benchmarks.{module}", *map(str, words)], _REPOSITORY, seconds)
     if done.returncode:
         raise RuntimeError(f"benchmarks.{module}: {done.stderr.strip()[-300:]}")
     return json.loads(done.stdout)

@@ -201,3 +201,17 @@ def test_a_closed_box_stays_within_its_walls(device):
     picture = renderer(device, scene).render(front_camera(0.5))
     assert not picture.layers["direct"].any()
     assert indirect(picture).max() < 1e-3 * 900.0 / 3.5**2 / np.pi
+
+
+@pytest.mark.parametrize("preset", WAYS)
+def test_memory_does_not_grow(preset):
+    """Thirty frames with lights that move, three, two, one and again: shadow maps are as many as the lights, and after
+    the first three frames nothing else is made."""
+    scene, device = load_scene("cornell-box"), Device()  # of others, things may be collected meanwhile
+    made, held = renderer(device, scene, preset, size=(16, 12)), []
+    for k in range(30):
+        lamps = [replace(LAMP, position=(0.5 * np.cos(k + i), 1.0, 0.5 * np.sin(k - i))) for i in range(3 - k % 3)]
+        made.scene = replace(scene, lights=lamps)
+        made.render()
+        held.append(device.memory.total)
+    assert held[3:] == held[3:6] * 9
