@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, HoverTool, Range1d
+from bokeh.models import ColumnDataSource, FixedTicker, HoverTool, Range1d
 from bokeh.plotting import figure
 
 from octolux.simulator import sh as harmonics
@@ -61,6 +61,9 @@ class Grid:
             hover_fill_alpha=0.12, hover_line_color=LIGHT, hover_line_alpha=0.8, source=s["cells"],
         )  # fmt: skip
         plot.add_tools(HoverTool(renderers=[cells], tooltips=_HOVER, formatters=_PRINTED, point_policy="follow_mouse"))
+        # Made once: another ticker has Bokeh search all models of the page anew, half a second for the twelve here.
+        self._labels, self._lines = FixedTicker(), FixedTicker()
+        plot.axis.ticker, plot.grid.ticker = self._labels, self._lines
         plot.grid.grid_line_color = "#e4e4e4"
         plot.title.text_font_size = "14px"
         plot.toolbar.logo = None
@@ -83,9 +86,8 @@ class Grid:
         self._sources["blocks"].data = _blocks(simulation, view)
         self.plot.title.text = f"{self.name}, {'merged' if merged else f'level {view.level}'}"
         self.plot.xaxis.axis_label, self.plot.yaxis.axis_label = slices.plane_names(view.axis)
-        ticks = list(range(0, n + 1, max(cell, n // 16)))
-        for axis, grid in zip((self.plot.xaxis, self.plot.yaxis), (self.plot.xgrid, self.plot.ygrid), strict=True):
-            axis.ticker, grid.ticker = ticks, list(range(0, n + 1, cell))
+        self._labels.ticks = list(range(0, n + 1, max(cell, n // 16)))
+        self._lines.ticks = list(range(0, n + 1, cell))
 
 
 _COLUMNS = ("x", "y", "z", "level", "flux", "peak", *COEFFICIENTS)
