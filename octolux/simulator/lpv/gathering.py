@@ -43,13 +43,17 @@ class Nodes:
 
 
 def light_nodes(injected) -> list[Nodes]:
-    """Nodes of every level of `injected` [z][y][x][rgb][4], the finest first. Level 0's light is taken to be in the
-    middle
-    of its cells."""
+    """Nodes of every level of `injected` [z][y][x][rgb][4], the finest first.
+
+    VPLs were moved half a cell along their normals when they were injected, and lie anywhere in their cells then: on
+    average their surfaces are half a cell behind the middle, against the light's first moment, which is
+    sqrt(3)/2 |c1| / c00 of the flux long (harmonics.dominant_lobe).
+    """
     injected = np.asarray(injected, dtype=np.float64)
     weight = injected[..., 0].sum(axis=-1, keepdims=True)
     z, y, x = np.indices(weight.shape[:3])
-    moments = np.concatenate([weight * (np.stack([x, y, z], axis=-1) + 0.5), weight], axis=-1)
+    behind = 0.5 * 0.5 * np.sqrt(3.0) * harmonics.vector(injected).sum(axis=-2)
+    moments = np.concatenate([weight * (np.stack([x, y, z], axis=-1) + 0.5) - behind, weight], axis=-1)
     result = []
     for i, (cells, moment) in enumerate(zip(build_levels(injected), build_levels(moments), strict=True)):
         lit = np.nonzero(moment[..., 3] > 0.0)
@@ -60,18 +64,16 @@ def light_nodes(injected) -> list[Nodes]:
 
 def takes(cell: np.ndarray, node: np.ndarray, level: int, levels: int) -> np.ndarray:
     """Whether cells (..., 3) of level 0 read nodes (..., 3) of `level`: next to the node's parent, but not to it; on
-    level 0
-    to it as well, and on the last level without a parent."""
+    level 0 to it as well, but for the cell itself, whose light leaves it; and on the last level without a parent."""
     near = np.abs(node - (cell >> level)).max(axis=-1) <= 1
     wide = np.abs((node >> 1) - (cell >> (level + 1))).max(axis=-1) <= 1
-    far = ~near if level else np.ones_like(near)
+    far = ~near if level else (node != cell).any(axis=-1)
     return far & wide if level < levels - 1 else far
 
 
 def gather(cells, nodes: Sequence[Nodes], cell_size: float, geometry: Sequence[np.ndarray] | None = None) -> np.ndarray:
     """Irradiance (M, 6, 3) [face][rgb], W/m^2 (lx), on small faces in the middle of `cells` (M, 3) of level 0 whose
-    normals are
-    `transfer.DIRECTIONS`. geometry: the geometry volume's levels, which block; None for no occlusion."""
+    normals are `transfer.DIRECTIONS`. geometry: the geometry volume's levels, which block; None for no occlusion."""
     cells = np.asarray(cells)
     result = np.zeros((len(cells), 6, 3))
     for level in nodes:
@@ -100,8 +102,7 @@ def _received(points: np.ndarray, nodes: Nodes, number: int, geometry: Sequence[
 
 def read_cube(cube, normals) -> np.ndarray:
     """Irradiance (..., 3) for unit `normals` (..., 3) from `cube` (..., 6, 3): the three faces that the normal sees,
-    by the
-    squares of its components, which add up to 1 (McTaggart 2004, "Half-Life 2 / Valve Source Shading")."""
+    by the squares of its components, which add up to 1 (McTaggart 2004, "Half-Life 2 / Valve Source Shading")."""
     normals = np.asarray(normals, dtype=np.float64)
     result = np.zeros((*np.broadcast_shapes(cube.shape[:-2], normals.shape[:-1]), 3))
     for axis in range(3):

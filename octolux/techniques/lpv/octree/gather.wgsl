@@ -1,7 +1,8 @@
 // Gathering (simulator/lpv/gathering.py): what a cell receives from all others, by the inverse square, from nodes as large
 // as their distance allows, through the geometry volume.
 //
-// A workgroup has a block of 4^3 cells, of which those are done that surfaces are looked up in and that have no light yet. They read
+// A workgroup has a block of 4^3 cells, of which those are done that surfaces are looked up in and that have no light
+// yet. They read
 // much the same nodes, which the workgroup first lists, level by level: no thread walks the octree, none waits for others
 // at a branch, and the order of the sum is always the same. Loops end at their end, as a software adapter otherwise
 // runs their bodies once more.
@@ -42,14 +43,14 @@ fn is_read(c: Candidate, block: vec3i) -> bool {
     let inside = all(c.node >= vec3i(0)) && all(c.node < vec3i(edge));
     let held = c.level >= 2u && steps_apart(c.node, block >> vec3u(max(c.level, 2u) - 2u)) <= 1;
     let number = number_of(c.level, vec3u(clamp(c.node, vec3i(0), vec3i(edge - 1))));
-    return inside && !held && nodes[4u * number].w > 0.0;
+    return inside && !held && nodes[3u * number].w != 0u;
 }
 
 // Whether the cell reads the node as the level's rule is (simulator/lpv/gathering.py, `takes`).
 fn takes(level: u32, node: vec3i, cell: vec3i) -> bool {
     let far = steps_apart(node, cell >> vec3u(1u)) > 1;
     let next = steps_apart(node >> vec3u(1u), cell >> vec3u(1u)) <= 1;
-    return level >= 2u || (level == 1u && far) || (level == 0u && next);
+    return level >= 2u || (level == 1u && far) || (level == 0u && next && any(node != cell));
 }
 
 @compute @workgroup_size(64)
@@ -120,18 +121,20 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) th
             loop {
                 let in_level = listed[k] - first;
                 let node = vec3i(vec3u(in_level, in_level / edge, in_level / (edge * edge)) % edge);
-                let number = 4u * listed[k];
-                let way = point - nodes[number].xyz;
+                let number = 3u * listed[k];
+                let about = bitcast<vec4f>(nodes[number]);
+                let halves = array<vec4u, 2>(nodes[number + 1u], nodes[number + 2u]);
+                let way = point - about.xyz;
                 let square = dot(way, way);
-                let direction = way * inverseSqrt(max(square, 0.25));
+                let direction = way * inverseSqrt(max(square, 1e-12));
                 var arriving: vec3f;
                 {% for channel in range(3) %}
-                let lobe_{{ channel }} = nodes[number + {{ 1 + channel }}u];
+                {% set pair = "halves[%d].%s" % (channel // 2, ("xy", "zw")[channel % 2]) %}
+                let lobe_{{ channel }} = vec4f(unpack2x16float({{ pair }}.x), unpack2x16float({{ pair }}.y));
                 arriving[{{ channel }}] = lobe_{{ channel }}.w + max(0.0, dot(lobe_{{ channel }}.xyz, direction));
                 {% endfor %}
-                // A cell does not light itself: between its middle and its light's place lies nothing but rounding.
-                let counts_here = square > 0.25 && takes(level, node, cell) && any(arriving > vec3f(0.0));
-                var weight = select(0.0, 1.0 / (square + {{ spread }} * size * size), counts_here);
+                let counts_here = takes(level, node, cell) && any(arriving > vec3f(0.0));
+                var weight = select(0.0, about.w / (square + {{ spread }} * size * size), counts_here);
                 {% if occlusion %}
                 weight *= passing(point, -direction, select(0.0, sqrt(square), counts_here), size);
                 {% endif %}

@@ -31,7 +31,7 @@ class Gathering:
         self.device, self.levels, self.n = device, levels, levels.sizes[0]
         n, cells = self.n, self.n**3
         self._occlusion, self._everywhere = occlusion, everywhere
-        self.nodes = device.buffer("LPV nodes", size=levels.cells * 64)
+        self.nodes = device.buffer("LPV nodes", size=levels.cells * 48)
         self._moments = device.buffer("LPV moments", size=levels.cells * 16)
         self._kept = {
             "marks": device.buffer("LPV marked cells", size=cells * 4),
@@ -56,14 +56,14 @@ class Gathering:
         )  # fmt: skip
         self._make_nodes = ComputePass(
             device, "nodes", "techniques/lpv/octree/nodes.wgsl",
-            [light, moments, storage_rw("nodes", "vec4f", "write")], workgroup=(64, 1, 1), n=n, row=ROW,
+            [light, moments, storage_rw("nodes", "vec4u", "write")], workgroup=(64, 1, 1), n=n, row=ROW,
             cells=self.levels.cells, pi=pi, **SH_CONSTANTS,
         )  # fmt: skip
         blockers = [storage("geometry", "u32")] if self._occlusion else []
         used = sum(n >= 4 for n in self.levels.sizes)  # all nodes of coarser levels are next to every cell's own
         self._gather = ComputePass(
             device, "gather", "techniques/lpv/octree/gather.wgsl",
-            [storage("nodes", "vec4f"), storage("marks", "u32"), storage_rw("filled", "u32"), storage("peak", "u32"),
+            [storage("nodes", "vec4u"), storage("marks", "u32"), storage_rw("filled", "u32"), storage("peak", "u32"),
              *blockers, storage_texture("cube_out", "rgba16float", "3d")],
             workgroup=(64, 1, 1), n=n, row=ROW, levels=used, candidates=512 + 216 * (used - 1),
             occlusion=self._occlusion, everywhere=self._everywhere, spread=gathering.SPREAD,
