@@ -101,8 +101,8 @@ def test_a_node_is_a_lit_square():
 
 @pytest.mark.parametrize("distance", [2, 3, 5, 8, 12, 15])
 def test_a_lit_square_facing_receivers(distance):
-    """A square of 8 x 8 cells on the floor, half a cell below the cells' middles, on its axis and beside it, against the
-    closed form."""
+    """A square of 8 x 8 cells on the floor, half a cell below the cells' middles, on its axis and beside it, against
+    the closed form."""
     nodes = gathering.light_nodes(wall((0, 0, 1), slice(4, 12)))
     for x, y in ((7, 7), (4, 9), (1, 13)):
         cell = np.array([x, y, distance])
@@ -156,8 +156,8 @@ def test_no_light_behind_a_lobe_but_its_isotropic_rest():
 
 
 def test_the_inverse_square():
-    """Of a single cell's lobe, read on whichever level: F / pi / (r^2 + s^2 / 3), the light being half a cell behind its
-    cell's middle."""
+    """Of a single cell's lobe, read on whichever level: F / pi / (r^2 + s^2 / 3), the light being half a cell behind
+    its cell's middle."""
     distances = np.arange(1, 8)
     cells = np.array([[8, 8, 8 + z] for z in distances])
     levels = gathering.light_nodes(one_light(sh.cosine_lobe([0.0, 0.0, 1.0]) / pi))

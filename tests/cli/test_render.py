@@ -124,7 +124,8 @@ def test_camera_by_name_and_index(render, folder, two_cameras, device):
 
 def test_preset_and_settings(render, folder):
     """--set wins over --preset, and texts become numbers and truth values."""
-    done = render("cornell-box", *UNIFORM, "--preset", "paper", "--set", "n=16", "--set", "damping=false", "--stats", "p.json")
+    changes = ("--preset", "paper", "--set", "n=16", "--set", "damping=false")
+    done = render("cornell-box", *UNIFORM, *changes, "--stats", "p.json")
     assert done.code == 0, done.err
     settings_class = TECHNIQUES["uniform-lpv"].settings_class
     expected = settings_class(**{**settings_class.PRESETS["paper"], "n": 16, "damping": False})

@@ -2,10 +2,9 @@
 // as their distance allows, through the geometry volume.
 //
 // A workgroup has a block of 4^3 cells, of which those are done that surfaces are looked up in and that have no light
-// yet. They read
-// much the same nodes, which the workgroup first lists, level by level: no thread walks the octree, none waits for others
-// at a branch, and the order of the sum is always the same. Loops end at their end, as a software adapter otherwise
-// runs their bodies once more.
+// yet. They read much the same nodes, which the workgroup first lists, level by level: no thread walks the octree, none
+// waits for others at a branch, and the order of the sum is always the same. Loops end at their end, as a software
+// adapter otherwise runs their bodies once more.
 {{ use("techniques/lpv/storage_scale.wgsl") }}
 {{ use("techniques/lpv/octree/addresses.wgsl") }}
 {% if occlusion %}{{ use("techniques/lpv/octree/passing.wgsl") }}{% endif %}
