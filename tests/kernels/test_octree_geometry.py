@@ -45,15 +45,18 @@ def inject(vpls: np.ndarray) -> np.ndarray:
     return reference.inject_surfels(position, unpack_normals(vpls["normal"]), vpls["area"].astype(np.float64), GRID)
 
 
-def run(device, made: GeometryVolume, groups: list[np.ndarray], lamps: int | None = None) -> list[np.ndarray]:
-    """Shares [z][y][x][3] of all levels; a group is a light's VPLs, and the first `lamps` lights count."""
+def run(
+    device, made: GeometryVolume, groups: list[np.ndarray], lamps: int | None = None, width: int = 1
+) -> list[np.ndarray]:
+    """Shares [z][y][x][3] of all levels; a group is a light's VPLs in rows of `width`, and the first `lamps` lights
+    count."""
     starts = np.cumsum([0, *(len(g) for g in groups)])
     vpls = VPL.array(max(1, int(starts[-1])))
     for start, group in zip(starts, groups, strict=False):
         vpls[start : start + len(group)] = group
     frame = SimpleNamespace(
         vpls=device.buffer("vpls", vpls), lights=SimpleNamespace(lamps=len(groups) if lamps is None else lamps),
-        vpl_ranges=[(int(s), len(g)) for s, g in zip(starts, groups, strict=False)],
+        vpl_ranges=[(int(s), len(g)) for s, g in zip(starts, groups, strict=False)], vpl_widths=[width] * len(groups),
     )  # fmt: skip
     with one_stage(device) as stage:
         made.run(stage, frame, device.uniform("grid", pack_grid(GRID)))
@@ -82,6 +85,17 @@ def test_surfels_of_three_lights(device, made):
 def cell_numbers(vpls: np.ndarray) -> np.ndarray:
     cells = np.clip(GRID.cell_of(vpls["position"].astype(np.float64)), 0, N - 1)
     return np.ravel_multi_index(cells.T, (N, N, N))
+
+
+@pytest.mark.parametrize("width", [3, 64, 1000, 5000])
+def test_any_width_of_the_map_gives_the_same_bits(device, made, width):
+    """Texels that are below one another share cells, or do not; rows are whole, or are not."""
+    rng = np.random.default_rng(6)
+    surfels = random_surfels(rng, 20001, 0.1)
+    surfels = surfels[np.argsort(cell_numbers(surfels), kind="stable")]
+    plain, found = run(device, made, [surfels]), run(device, made, [surfels], width=width)
+    assert all(np.array_equal(a, b) for a, b in zip(plain, found, strict=True))
+    assert 0.05 < (found[0] == 1.0).mean() < 0.95
 
 
 def test_frames_are_independent(device, made):

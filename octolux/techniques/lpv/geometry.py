@@ -13,12 +13,11 @@ from ...gpu.passes import ComputePass
 from ...simulator.rsm import MIN_COSINE
 from .constants import GRID
 from .downsampling import Downsampling
-from .injection import atomic_words
+from .injection import RUN, atomic_words, walks
 from .levels import ROW, Levels
 
-# Surfels from number `first` on, `row` threads in a row.
-SURFELS = Struct("Surfels", first="u32", count="u32", row="u32")
-_ROW = 1 << 14
+# Surfels from number `first` on, in rows of `width`. block: pixels along each side of one's block of the G-buffer.
+SURFELS = Struct("Surfels", first="u32", count="u32", width="u32", block="u32")
 # Shares are summed in fixed point, so that they have the same bits in any order: 2^16 is a wall. A cell that has as
 # much
 # takes no more, so that no sum comes near 2^32.
@@ -41,7 +40,7 @@ class GeometryVolume:
         self._sums = device.buffer("LPV surfel sums", size=self.n**3 * 12)
         self._surfels: list[Any] = []
         grid, sums = uniform("grid", GRID), atomic_words("sums", "u32")
-        values: dict[str, Any] = {"one": _ONE, "cells": self.n**3, "min_cosine": MIN_COSINE}
+        values: dict[str, Any] = {"one": _ONE, "cells": self.n**3, "min_cosine": MIN_COSINE, "run": RUN}
         self._from_vpls = ComputePass(
             device, "surfels of an RSM", "techniques/lpv/surfels_rsm.wgsl",
             [uniform("surfels", SURFELS), grid, storage("vpls", VPL), sums],
@@ -51,7 +50,7 @@ class GeometryVolume:
             device, "surfels of the G-buffer", "techniques/lpv/surfels_gbuffer.wgsl",
             [views_binding(), texture("surface_map", "uint"), texture("depth_map"), uniform("surfels", SURFELS), grid,
              sums],
-            structs=[VIEW, SURFELS, GRID], **values,
+            structs=[VIEW, SURFELS, GRID], workgroup=(64, 1, 1), **values,
         )  # fmt: skip
         self._merge = ComputePass(
             device, "merge surfels", "techniques/lpv/surfels_merge.wgsl",
@@ -72,9 +71,9 @@ class GeometryVolume:
         lamps = frame.vpl_ranges[: frame.lights.lamps]
         while len(self._surfels) < len(lamps) + 1:
             self._surfels.append(self.device.uniform("LPV surfels", SURFELS.array(1)))
-        for (first, count), buffer in zip(lamps, self._surfels, strict=False):
-            self.device.write(buffer, SURFELS.pack(first=first, count=count, row=_ROW))
-            threads = (min(_ROW, count), -(-count // _ROW))
+        for (first, count), width, buffer in zip(lamps, frame.vpl_widths, self._surfels, strict=False):
+            self.device.write(buffer, SURFELS.pack(first=first, count=count, width=width, block=1))
+            threads = (walks(count, width),)
             self._from_vpls.run(stage, threads, surfels=buffer, grid=grid, vpls=frame.vpls, sums=self._sums)
             self._merged(stage)
         if self._camera:
@@ -83,11 +82,11 @@ class GeometryVolume:
         self._pack.run(stage, self._rows, shares=self.shares, packed=self.packed)
 
     def _camera_surfels(self, stage: Any, frame: Frame, grid: Any, buffer: Any) -> None:
-        step = max(1, -(-max(frame.pixels) // _GBUFFER_SAMPLES))
-        self.device.write(buffer, SURFELS.pack(first=0, count=0, row=step))
-        width, height = (-(-side // step) for side in frame.pixels)
+        block = max(1, -(-max(frame.pixels) // _GBUFFER_SAMPLES))
+        width, height = (-(-side // block) for side in frame.pixels)
+        self.device.write(buffer, SURFELS.pack(first=0, count=width * height, width=width, block=block))
         self._from_gbuffer.run(
-            stage, (width, height), views=frame.buffers["views"], surface_map=frame.targets.surface,
+            stage, (walks(width * height, width),), views=frame.buffers["views"], surface_map=frame.targets.surface,
             depth_map=frame.targets.depth, surfels=buffer, grid=grid, sums=self._sums,
         )  # fmt: skip
         self._merged(stage)

@@ -17,6 +17,11 @@ __all__ = ["Injection", "VplSource"]
 RUN = 16  # VPLs that a thread walks over: 262,144 are still 256 workgroups
 
 
+def walks(count: int, width: int) -> int:
+    """Threads that walk over `count` texels of maps that are `width` wide, each down RUN texels of a column."""
+    return -(-count // (RUN * width)) * width
+
+
 def atomic_words(name: str, kind: str) -> Binding:
     """A buffer of atomic words: "i32" or "u32"."""
     text = f"var<storage, read_write> {name}: array<atomic<{kind}>>;"
@@ -56,8 +61,8 @@ class Injection:
             for packed in group.pack():
                 buffer = self._source_buffer(used, packed)
                 used += 1
-                walks = -(-int(packed["count"][0]) // (RUN * int(packed["width"][0]))) * int(packed["width"][0])
-                self._inject.run(stage, (walks,), source=buffer, grid=grid, vpls=vpls, sums=self._sums)
+                threads = (walks(int(packed["count"][0]), int(packed["width"][0])),)
+                self._inject.run(stage, threads, source=buffer, grid=grid, vpls=vpls, sums=self._sums)
             self._collect.run(
                 stage, (self.n**3,), source=buffer, sums=self._sums, injected=self.injected, peak=self.peak
             )

@@ -1,14 +1,51 @@
-// A surfel's share of the cross sections of the cell that it lies in (simulator/lpv/geometry.py).
+// Surfels' shares of the cross sections of the cells that they lie in (simulator/lpv/geometry.py), in fixed point.
+//
+// As inject.wgsl does, a thread walks down {{ run }} surfels of a map's column and adds up the shares of two cells until it
+// meets a third. Each surfel is rounded by itself, so the sums have the same bits however the walks are cut.
 
-fn add_surfel(position: vec3f, normal: vec3f, area: f32) {
-    let cell = vec3i(floor((position - grid.origin) / grid.cell_size));
-    if any(cell < vec3i(0)) || any(cell >= vec3i(i32(grid.n))) { return; }
-    let first = 3u * (u32(cell.x) + grid.n * (u32(cell.y) + grid.n * u32(cell.z)));
-    let share = min(vec3f(1.0), abs(normal) * (area / (grid.cell_size * grid.cell_size)));
-    let fixed = vec3u(round(share * {{ one }}.0));
+struct Surfel { position: vec3f, normal: vec3f, area: f32 } // no area: nothing is there
+
+const NOWHERE = 0xffffffffu;
+
+// A walk that brings a whole wall closes the cell: more would only come nearer to 2^32.
+fn add_shares(cell: u32, sum: vec3u) {
+    let shares = min(sum, vec3u({{ one }}u));
     {% for k in range(3) %}
-    if fixed[{{ k }}] > 0u && atomicLoad(&sums[first + {{ k }}u]) < {{ one }}u {
-        atomicAdd(&sums[first + {{ k }}u], fixed[{{ k }}]);
+    if shares[{{ k }}] > 0u && atomicLoad(&sums[3u * cell + {{ k }}u]) < {{ one }}u {
+        atomicAdd(&sums[3u * cell + {{ k }}u], shares[{{ k }}]);
     }
     {% endfor %}
+}
+
+@compute @workgroup_size({{ workgroup }})
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let start = id.x / surfels.width * ({{ run }}u * surfels.width) + id.x % surfels.width;
+    if start >= surfels.count { return; }
+    let steps = min({{ run }}u, (surfels.count - 1u - start) / surfels.width + 1u);
+    let cross_section = grid.cell_size * grid.cell_size;
+    var i = 0u;
+    loop {
+        var one = NOWHERE;
+        var other = NOWHERE;
+        var both = vec3u(0u);
+        var first = vec3u(0u);
+        loop {
+            let surfel = surfel_at(start + i * surfels.width);
+            let place = vec3i(floor((surfel.position - grid.origin) / grid.cell_size));
+            let used = surfel.area > 0.0 && all(place >= vec3i(0)) && all(place < vec3i(i32(grid.n)));
+            let cell = u32(place.x) + grid.n * (u32(place.y) + grid.n * u32(place.z));
+            one = select(one, cell, used && one == NOWHERE);
+            other = select(other, cell, used && cell != one && other == NOWHERE);
+            if used && cell != one && cell != other { break; }
+            let share = min(vec3f(1.0), abs(surfel.normal) * (surfel.area / cross_section));
+            let fixed = select(vec3u(0u), vec3u(round(share * {{ one }}.0)), used);
+            both += fixed;
+            first += select(vec3u(0u), fixed, cell == one);
+            i++;
+            if i >= steps { break; }
+        }
+        if one != NOWHERE { add_shares(one, first); }
+        if other != NOWHERE { add_shares(other, both - first); }
+        if i >= steps { break; }
+    }
 }

@@ -3,12 +3,9 @@
 {{ use("shaders/gbuffer.wgsl") }}
 {{ use("techniques/lpv/surfel.wgsl") }}
 
-@compute @workgroup_size({{ workgroup }})
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    let pixel = id.xy * surfels.row + surfels.row / 2u;
-    if any(pixel >= textureDimensions(depth_map)) { return; }
-    let depth = textureLoad(depth_map, pixel, 0).x;
-    if depth <= 0.0 { return; }
+fn surfel_at(number: u32) -> Surfel {
+    let pixel = vec2u(number % surfels.width, number / surfels.width) * surfels.block + surfels.block / 2u;
+    let depth = textureLoad(depth_map, pixel, 0).x; // 0 outside the picture
     let view = views[0];
     let ray = view_ray(view, vec2f(pixel) + 0.5);
     let normal = unpack_surface(textureLoad(surface_map, pixel, 0)).geometric_normal;
@@ -17,7 +14,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let across = select(cross(view.origin_dx, view.origin_dy),
                         depth * depth * cross(view.direction_dx, view.direction_dy), view.perspective == 1u);
     let secant = length(ray.direction);
-    let footprint = f32(surfels.row * surfels.row) * length(across) / secant;
+    let footprint = f32(surfels.block * surfels.block) * length(across) / secant;
     let cosine = abs(dot(ray.direction, normal)) / secant;
-    add_surfel(ray.origin + depth * ray.direction, normal, footprint / max(cosine, {{ min_cosine }}));
+    let area = footprint / max(cosine, {{ min_cosine }});
+    let seen = depth > 0.0 && all(pixel < textureDimensions(depth_map));
+    return Surfel(ray.origin + depth * ray.direction, normal, select(0.0, area, seen));
 }

@@ -2,10 +2,7 @@
 {{ use("shaders/octahedral.wgsl") }}
 {{ use("techniques/lpv/surfel.wgsl") }}
 
-@compute @workgroup_size({{ workgroup }})
-fn main(@builtin(global_invocation_id) id: vec3u) {
-    let number = id.y * surfels.row + id.x;
-    if number >= surfels.count || id.x >= surfels.row { return; }
+fn surfel_at(number: u32) -> Surfel {
     let vpl = vpls[surfels.first + number];
-    if vpl.area > 0.0 { add_surfel(vpl.position, unpack_unit_vector(vpl.normal), vpl.area); }
+    return Surfel(vpl.position, unpack_unit_vector(vpl.normal), vpl.area);
 }
