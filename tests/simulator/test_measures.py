@@ -37,6 +37,44 @@ def test_octree_errors_are_those_of_the_formula():
     assert found["e_abs"] == pytest.approx(e_abs) and found["e_rel"] == pytest.approx(e_rel)
 
 
+def test_cells_that_hold_only_rounding_are_dark():
+    """Of two cells with the same error, the one just above the floor counts; the floor is its own level's."""
+    found = {}
+    for share in (2.0 * measures.DARK, 0.5 * measures.DARK):
+        levels = [np.zeros((size,) * 3 + (4,)) for size in (8, 4, 2)]
+        levels[1][0, 0, 0, 0], levels[1][3, 3, 3, 0] = 1.0, share
+        levels[2][0, 0, 0, 0] = 1e-20  # its level's largest: lit
+        expected = [levels[0], levels[1].copy(), levels[2].copy()]
+        expected[1][3, 3, 3, 0] += 0.001
+        expected[2][0, 0, 0, 0] = 3e-20
+        found[share] = measures.octree_errors(levels, expected)
+    lit, dark = found.values()
+    assert lit["max_rel"] == pytest.approx(0.0005 / measures.DARK)
+    assert lit["e_rel"] == pytest.approx((0.0005 / measures.DARK + 2.0) / 72)
+    assert dark["max_rel"] == pytest.approx(2.0) and dark["e_rel"] == pytest.approx(2.0 / 72)
+    assert lit["max_abs"] == dark["max_abs"] == pytest.approx(0.001)  # the absolute error hides nothing
+
+
+def test_rounding_has_no_part_in_relative_errors():
+    """The same light mirrored is the same light with other roundings, which the dominant lobe's leave behind it.
+
+    A cell is off by at most DARK of the largest, and those that count hold 2^-20 of it or more: size and error are off
+    by 2^-20 of the size. That changes a relative error r by 2^-20 (1 + r), twice for the two of them, and the mean
+    likewise; here the means are above 1.
+    """
+    rows = []
+    for x, direction in ((1, (-1.0, 0.0, 0.0)), (6, X)):
+        simulation = Simulation(8, propagator="dominant-lobe", compare=["uniform"])
+        simulation.set_injectors([Element((x, 4, 4), direction)])
+        simulation.run(8)
+        rows.append(simulation.state.measures[-1])
+        sizes = [np.abs(level).max(axis=-1) / np.abs(level).max() for level in simulation.state.sum[1:]]
+        assert not any(((size > measures.DARK) & (size < 2.0**-20)).any() for size in sizes)
+        assert any(((size > 0.0) & (size < measures.DARK)).any() for size in sizes)
+    for name in ("e_rel", "corrected_e_rel"):
+        assert rows[0][name] > 1.0 and rows[0][name] == pytest.approx(rows[1][name], rel=2.0**-18)
+
+
 def test_errors_do_not_depend_on_how_parents_are_made():
     """Sums are 8^i averages while the propagation is linear, and the errors are told in averages."""
     rows = []
