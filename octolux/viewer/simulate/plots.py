@@ -25,7 +25,9 @@ def plots(laboratory: Laboratory) -> list[figure]:
         rows = laboratory.simulation.state.measures
         for column, source in sources.items():
             found = [(row["iteration"], row[column]) for row in rows if column in row]
-            source.data = {"iteration": [i for i, _ in found], "value": [value for _, value in found]}
+            data = {"iteration": [i for i, _ in found], "value": [value for _, value in found]}
+            if data != source.data:  # what is set is painted again, also where it is the same
+                source.data = data
         for plot, (title, columns) in zip(made, PANELS.items(), strict=True):
             measured = any(sources[column].data["value"] for column in columns)
             plot.title.text = title if measured else f"{title}: not measured"
