@@ -53,6 +53,15 @@ def test_a_diagonal_wall_closes_its_cells_along_both_axes():
         np.testing.assert_allclose(shares[x + 5, :, x], np.broadcast_to([1.0, 0.0, 1.0], (N, 3)), **ROUNDING)
 
 
+def test_a_wall_between_cells_is_in_those_behind_it():
+    """Whatever rounding does to its places: those of float32 in a scene of some ten metres."""
+    position, normal, area = plane(height=5.0)
+    moved = position + np.random.default_rng(0).uniform(-1e-6, 1e-6, position.shape)
+    shares = geometry.inject_surfels(moved, normal, area, GRID)
+    np.testing.assert_allclose(shares[4], np.broadcast_to([0.0, 0.0, 1.0], (N, N, 3)), rtol=1e-6)
+    assert not shares[5].any()
+
+
 def test_no_cell_is_more_than_closed():
     position, normal, area = plane()
     twice = geometry.inject_surfels(*(np.concatenate([a, a]) for a in (position, normal, area)), GRID)
@@ -60,7 +69,7 @@ def test_no_cell_is_more_than_closed():
 
 
 def test_surfels_outside_the_grid_are_omitted():
-    position = np.array(GRID.origin) + H * np.array([[-0.1, 3.0, 3.0], [3.0, N, 3.0], [3.0, 3.0, 99.0]])
+    position = np.array(GRID.origin) + H * np.array([[-0.1, 3.0, 3.0], [3.0, N + 0.1, 3.0], [3.0, 3.0, 99.0]])
     assert not geometry.inject_surfels(position, np.eye(3), np.ones(3), GRID).any()
 
 

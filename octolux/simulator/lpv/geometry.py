@@ -29,13 +29,18 @@ SHORT = 0.9999
 """Points are read a little before where they lie, so that rounding decides nothing where a way passes through edges."""
 
 
+BEHIND = 2.0**-8
+"""Cells by which a surfel counts behind its surface, against the normal: a wall that lies on a face between cells is
+then in one of them whole, and rounding of its place (some 1e-5 of a cell) does not share it out among both."""
+
+
 def inject_surfels(position, normal, area, grid: Grid) -> np.ndarray:
     """Blocked shares [z][y][x][3] of M surfels of one buffer, at most 1 each: several layers of a surface in one cell,
     or texels that overlap, block no more than a wall does.
 
     position: (M, 3), world space.  normal: (M, 3) unit.  area: (M,), m^2. Surfels outside the grid are omitted.
     """
-    cells = grid.cell_of(position)
+    cells = grid.cell_of(np.asarray(position) - BEHIND * grid.cell_size * np.asarray(normal))
     kept = np.all((cells >= 0) & (cells < grid.n), axis=-1)
     x, y, z = cells[kept].T
     volume = np.zeros((grid.n,) * 3 + (3,))

@@ -10,6 +10,7 @@ from ...gpu.bindings import storage, storage_rw, texture, uniform
 from ...gpu.device import Device
 from ...gpu.layout import Struct
 from ...gpu.passes import ComputePass
+from ...simulator.lpv.geometry import BEHIND
 from ...simulator.rsm import MIN_COSINE
 from .constants import GRID
 from .downsampling import Downsampling
@@ -40,7 +41,9 @@ class GeometryVolume:
         self._sums = device.buffer("LPV surfel sums", size=self.n**3 * 12)
         self._surfels: list[Any] = []
         grid, sums = uniform("grid", GRID), atomic_words("sums", "u32")
-        values: dict[str, Any] = {"one": _ONE, "cells": self.n**3, "min_cosine": MIN_COSINE, "run": RUN}
+        values: dict[str, Any] = {
+            "one": _ONE, "cells": self.n**3, "min_cosine": MIN_COSINE, "run": RUN, "behind": BEHIND,
+        }  # fmt: skip
         self._from_vpls = ComputePass(
             device, "surfels of an RSM", "techniques/lpv/surfels_rsm.wgsl",
             [uniform("surfels", SURFELS), grid, storage("vpls", VPL), sums],

@@ -31,7 +31,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         var first = vec3u(0u);
         loop {
             let surfel = surfel_at(start + i * surfels.width);
-            let place = vec3i(floor((surfel.position - grid.origin) / grid.cell_size));
+            let place = vec3i(floor((surfel.position - grid.origin) / grid.cell_size - {{ behind }} * surfel.normal));
             let used = surfel.area > 0.0 && all(place >= vec3i(0)) && all(place < vec3i(i32(grid.n)));
             let cell = u32(place.x) + grid.n * (u32(place.y) + grid.n * u32(place.z));
             one = select(one, cell, used && one == NOWHERE);
