@@ -11,12 +11,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from chromium import Chromium
+from chromium import SECONDS, Chromium
 
 from octolux.simulator.laboratory import Simulation
 from octolux.viewer.simulate.server import server
-
-SECONDS = 60.0  # a hang is a failure, not a wait
+from octolux.viewer.simulate.shapes import KINDS
 
 
 @contextmanager
@@ -47,8 +46,13 @@ class Page:
         self.browser = browser
         browser.events.clear()
         browser.load(address)
-        self.until("window.Bokeh && Bokeh.documents.length && Bokeh.documents[0].is_idle")
+        self.until("window.Bokeh && Bokeh.documents.length > 0 && Bokeh.documents[0].is_idle")
         assert self.status() != ""
+        self.browser.run("""(() => {
+            const status = Bokeh.documents[0].get_model_by_name("status")
+            window.said = []
+            status.properties.text.change.connect(() => said.push(status.text))
+        })()""")
 
     def until(self, script: str) -> Any:
         """The script's value once it is true."""
@@ -59,7 +63,7 @@ class Page:
         end = time.monotonic() + SECONDS
         while not (found := value()):
             assert time.monotonic() < end, f"never true: {what}"
-            time.sleep(0.05)
+            time.sleep(0.02)
         return found
 
     def model(self, name: str, what: str) -> Any:
@@ -69,40 +73,62 @@ class Page:
     def status(self) -> str:
         return str(self.model("status", "text"))
 
+    @contextmanager
+    def saying(self, words: str) -> Iterator[None]:
+        """Do something, and wait until it has made the status say `words`; what it said before does not count."""
+        self.browser.run("said.length = 0")
+        yield
+        if words:
+            self.until(f"said.some(text => text.includes({json.dumps(words)}))")
+
     def middle(self, name: str, part: str) -> tuple[float, float]:
-        """Of the part (a selector within the model's element) in the window, scrolled to, once it can be seen."""
-        box = self.until(f"""(() => {{
+        """Of the part (a selector within the model's element) in the window, scrolled to, once it is seen and rests."""
+        box = self.until(f"""(async () => {{
             const model = Bokeh.documents[0].get_model_by_name({json.dumps(name)})
             const part = Bokeh.index.find_one(model).shadow_el.querySelector({json.dumps(part)})
             part.scrollIntoView({{block: "center"}})
+            const before = JSON.stringify(part.getBoundingClientRect())
+            for (let frame = 0; frame < 2; frame++) await new Promise(requestAnimationFrame)
             const box = part.getBoundingClientRect()
-            return box.width > 0 ? box.toJSON() : null
+            const rests = Bokeh.documents[0].is_idle && JSON.stringify(box) === before
+            return rests && box.width > 0 ? box.toJSON() : null
         }})()""")
         return box["left"] + box["width"] / 2, box["top"] + box["height"] / 2
 
     def click(self, name: str, part: str = "button", says: str = "") -> None:
-        """Press the mouse on it, and wait until the status says `says`."""
-        at = self.middle(name, part)
-        self.browser.drag(at, at)
-        if says:
-            self.until(f"Bokeh.documents[0].get_model_by_name('status').text.includes({json.dumps(says)})")
+        """Press the mouse on it, and wait until that has made the status say `says`."""
+        with self.saying(says):
+            at = self.middle(name, part)
+            self.browser.drag(at, at)
 
-    def choose(self, name: str, value: str) -> None:
-        """Choose in a list."""
-        self.browser.run(f"""(() => {{
-            const model = Bokeh.documents[0].get_model_by_name({json.dumps(name)})
-            const list = Bokeh.index.find_one(model).shadow_el.querySelector("select")
-            list.value = {json.dumps(value)}
-            list.dispatchEvent(new Event("change"))
-        }})()""")
+    def choose(self, name: str, value: str, says: str = "") -> None:
+        """Choose in a list, and wait as `click` does."""
+        with self.saying(says):
+            self.browser.run(f"""(() => {{
+                const model = Bokeh.documents[0].get_model_by_name({json.dumps(name)})
+                const list = Bokeh.index.find_one(model).shadow_el.querySelector("select")
+                list.value = {json.dumps(value)}
+                list.dispatchEvent(new Event("change"))
+            }})()""")
 
-    def type(self, name: str, text: str) -> None:
-        """Replace what is in a field."""
-        at = self.middle(name, "input")
-        self.browser.mouse("Pressed", *at, button="left", clickCount=3)
-        self.browser.mouse("Released", *at, button="left", clickCount=3)
-        self.browser.send("Input.insertText", text=text)
-        self.browser.key("Enter")
+    def shape(self, kind: str) -> None:
+        """Choose the kind of shape, and wait until its fields alone are seen: the others' going moves the page."""
+        self.choose("kind", kind)
+        shown = {
+            f"wall-{field}" if owner == "wall" else field: kind == owner
+            for owner, fields in KINDS.items() for field in fields
+        }  # fmt: skip
+        self.until(f"""Object.entries({json.dumps(shown)}).every(
+            ([name, seen]) => Bokeh.documents[0].get_model_by_name(name).visible === seen)""")
+
+    def type(self, name: str, text: str, says: str = "") -> None:
+        """Replace what is in a field, and wait as `click` does."""
+        with self.saying(says):
+            at = self.middle(name, "input")
+            self.browser.mouse("Pressed", *at, button="left", clickCount=3)
+            self.browser.mouse("Released", *at, button="left", clickCount=3)
+            self.browser.send("Input.insertText", text=text)
+            self.browser.key("Enter")
 
     def send_file(self, name: str, path: Path) -> None:
         """Choose a file, and wait until the page holds it."""
@@ -113,6 +139,27 @@ class Page:
         self.browser.send("DOM.setFileInputFiles", files=[str(path)], objectId=chosen)
         file = f"Bokeh.documents[0].get_model_by_name({json.dumps(name)})"
         self.until(f"{file}.properties.filename.is_unset === false && {file}.filename === {json.dumps(path.name)}")
+
+    def pointed_at(self, name: str, u: float, v: float) -> str:
+        """Point at that place of a drawing. What the page tells of it by then; "" while it tells nothing."""
+        x, y = self.browser.run(f"""(() => {{
+            const view = Bokeh.index.find_one(Bokeh.documents[0].get_model_by_name({json.dumps(name)}))
+            view.el.scrollIntoView({{block: "center"}})
+            const box = view.el.getBoundingClientRect()
+            return [box.left + view.frame.x_scale.compute({u}), box.top + view.frame.y_scale.compute({v})]
+        }})()""")
+        self.browser.mouse("Moved", x - 1, y - 1)
+        self.browser.mouse("Moved", x, y)
+        return self.browser.run("""(() => {
+            const texts = []
+            const walk = node => {
+                if (node.shadowRoot) walk(node.shadowRoot)
+                for (const child of node.children || []) walk(child)
+                if (node.classList && node.classList.contains("bk-tooltip-row-value")) texts.push(node.textContent)
+            }
+            walk(document.body)
+            return texts.join("|")
+        })()""")
 
     def mistakes(self) -> list[str]:
         """What the page reported as errors."""

@@ -11,6 +11,7 @@ import sys
 import urllib.request
 
 import pytest
+from chromium import SECONDS
 from PIL import Image
 
 from octolux.cli import main
@@ -84,10 +85,10 @@ def test_the_page_is_served_until_it_is_stopped():
         assert running.stdout is not None
         line = running.stdout.readline()
         address = next(word for word in line.split() if word.startswith("http://127.0.0.1:"))
-        with urllib.request.urlopen(address, timeout=60) as answer:
+        with urllib.request.urlopen(address, timeout=SECONDS) as answer:
             assert b"<title>octolux simulate</title>" in answer.read()
         running.send_signal(signal.SIGINT)
-        _, errors = running.communicate(timeout=60)
+        _, errors = running.communicate(timeout=SECONDS)
     assert running.returncode in (0, 130)
     assert "Traceback" not in errors
 
