@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...settings import Settings, SettingsError, setting
+from ...settings import SettingsError, setting
+from ..settings import LpvSettings
 
 
 @dataclass(frozen=True)
-class OctreeLpvSettings(Settings):
+class OctreeLpvSettings(LpvSettings):
     """The default sends light straight from cell to cell; `steps` is OLPV made physical, `thesis` OLPV by the
     letter."""
 
@@ -62,40 +63,6 @@ class OctreeLpvSettings(Settings):
     threshold: float = setting(
         2.0**-20, meaning="share of the largest injected light up to which a contribution counts as zero", unit="",
         allowed=[0.0, 1.0], cost="none; more keeps the index volume coarser", source="OLPV 4.2",
-    )  # fmt: skip
-    evaluation: str = setting(
-        "dominant_lobe", meaning="how a cell's intensity is read when it sends light on in steps", unit="",
-        allowed=("dominant_lobe", "clamped", "signed"), cost="dominant_lobe some 10 % more time; keeps flux",
-        source="CLPV 3.3; ours: simulator/lpv/propagation.py",
-    )  # fmt: skip
-    reprojection: str = setting(
-        "travel", meaning="direction of the lobe that a face's flux becomes", unit="", allowed=("travel", "face"),
-        cost="none", source="CLPV 3.3; ours: simulator/lpv/propagation.py",
-    )  # fmt: skip
-    gain: float = setting(
-        1.0, meaning="flux after a step over flux before, signed evaluation", unit="", allowed=[0.0, 2.0],
-        cost="none; 1 conserves energy", source="simulator/lpv/propagation.py",
-    )  # fmt: skip
-    injection: str = setting(
-        "flux", meaning="what a VPL injects: its flux / pi, or the thesis's lobe without 1/pi and with texel weight",
-        unit="", allowed=("flux", "thesis"), cost="none", source="CLPV 3.1, OLPV 3.2.2 and 3.3",
-    )  # fmt: skip
-    reading: str = setting(
-        "dominant_lobe", meaning="from intensity to irradiance after steps", unit="",
-        allowed=("dominant_lobe", "paper", "thesis"), cost="none", source="CLPV 3.4; ours: simulator/lpv/lookup.py",
-    )  # fmt: skip
-    lookup_offset: float = setting(
-        0.5, meaning="cells by which the point of lookup is moved along the normal, as VPLs are when injected",
-        unit="cells", allowed=[0.0, 2.0], cost="none; 0 reads half of what lies behind a wall", source="CLPV 3.1",
-    )  # fmt: skip
-    scale: float = setting(
-        1.0, meaning="free scale of the thesis reading; no other reading has one", unit="1/m^2", allowed=[0.0, 1e6],
-        cost="none", source="OLPV 3.2.4",
-    )  # fmt: skip
-    cell_format: str = setting(
-        "f32", meaning="numbers of a cell while light travels", unit="", allowed=("f32", "f16"),
-        cost="f16: half the memory and traffic of a step; a software adapter spends as much on converting",
-        source="OLPV 5.2 (f32), CLPV 6 (f16)",
     )  # fmt: skip
 
     def __post_init__(self) -> None:
