@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...gpu.bindings import storage, storage_rw
 from ...gpu.device import Device
@@ -38,6 +38,30 @@ def block_sources(block: tuple[int, int, int] = BLOCK) -> list[dict[str, Any]]:
 UNIT = ("1, 0, 0", "0, 1, 0", "0, 0, 1")  # of x, y and z, for templates
 
 
+class Step(NamedTuple):
+    """A variant of propagation.wgsl. first: reads injected light. adds: terms that it adds to the sum. stores: another
+    step, or a merge, reads what it makes."""
+
+    first: bool = False
+    adds: int = 0
+    occluded: bool = False
+    stores: bool = True
+
+    @property
+    def reads_injected(self) -> bool:
+        return self.first or self.adds == 3
+
+
+def steps_of(iterations: int, *, occluded: bool, keeps_last: bool) -> list[Step]:
+    """The steps, of which each second one adds two terms, its own and the one before; S_0 is in the first of these."""
+    if not iterations:
+        return []
+    begin = [Step(first=True, adds=2)] if iterations % 2 else [Step(first=True), Step(adds=3, occluded=occluded)]
+    rest = [Step(occluded=occluded), Step(adds=2, occluded=occluded)]
+    steps = begin + rest * ((iterations - len(begin)) // 2)
+    return [*steps[:-1], steps[-1]._replace(stores=keeps_last)]
+
+
 class _Faces:
     """`faces`: vec4f as the stored cells lie, three a cell: what its lower faces let through (faces.wgsl)."""
 
@@ -62,13 +86,14 @@ class Propagation:
     occlusion: the geometry volume dims what passes the cells' faces.
     threshold: with one, `touched` becomes 1 where a level has been brought light (OLPV 4.2, the index volume): a
     contribution of more than that share of the power of two below the largest injected one.
+    keeps_last: `last` holds the last step's light after `run`, which nothing but a merge by arrival asks for.
     """
 
     def __init__(
         self, device: Device, sizes: Sequence[int], *, evaluation: str, reprojection: str, gain: float,
-        cell_format: str, threshold: float | None = None, occlusion: bool = False,
+        cell_format: str, threshold: float | None = None, occlusion: bool = False, keeps_last: bool = False,
     ):  # fmt: skip
-        self.levels = Levels(sizes)
+        self.levels, self._keeps_last = Levels(sizes), keeps_last
         self._travelled = Levels([n for n in sizes if n > 1])
         self._device, self.kind = device, CELL_TYPES[cell_format]
         size = self.levels.stored * CELL_BYTES[cell_format]
@@ -83,13 +108,8 @@ class Propagation:
             "threshold": 8.0 * (threshold or 0.0),  # storage_scale.wgsl: the peak's power of two is 8
             **propagation_values(evaluation, reprojection, gain),
         }  # fmt: skip
-        self._start = ComputePass(
-            device, "start", "techniques/lpv/start.wgsl",
-            [storage("injected", "vec4f"), storage("peak", "u32"), storage_rw("light", "vec4f", "write"),
-             storage_rw("cells_out", self.kind, "write"), *(storage_rw(name, "u32") for name in self._marked)],
-            workgroup=(WORKGROUP, 1, 1), levels=self.levels.described(), access=["store"], **self._values,
-        )  # fmt: skip
-        self._steps: dict[tuple[int, bool], ComputePass] = {}
+        self._starts: dict[bool, ComputePass] = {}
+        self._steps: dict[Step, ComputePass] = {}
         self._faces = _Faces(device, self.levels) if occlusion else None
         self.last = self._cells[0]
 
@@ -103,39 +123,61 @@ class Propagation:
         """u32 [level][z][y][x]: 1 where the index volume's I_i is i."""
         return self._marked["touched"]
 
-    def _step(self, adds: int, occluded: bool) -> ComputePass:
-        """The pass that adds so many terms to the sum: none, what it makes, or what it reads as well."""
-        if (adds, occluded) not in self._steps:
-            faces = [storage("faces", "vec4f")] if occluded else []
-            sums = [storage_rw("light", "vec4f"), *(storage_rw(name, "u32") for name in self._marked)] if adds else []
-            self._steps[adds, occluded] = ComputePass(
+    def _start(self, stage: Any, resources: dict[str, Any], still: bool) -> None:
+        """Injected light becomes the sum without a step: on all levels, or `still` on that of one cell alone."""
+        if still not in self._starts:
+            levels = self.levels.described()
+            if still:
+                levels = [{**levels[-1], "first": 0}]
+            self._starts[still] = ComputePass(
+                self._device, "start", "techniques/lpv/start.wgsl",
+                [storage("injected", "vec4f"), storage("peak", "u32"), storage_rw("light", "vec4f", "write"),
+                 storage_rw("cells_out", self.kind, "write"), *(storage_rw(name, "u32") for name in self._marked)],
+                workgroup=(WORKGROUP, 1, 1), levels=levels, access=["store"], **self._values,
+            )  # fmt: skip
+        threads = (1,) if still else self.levels.dispatched()
+        self._starts[still].run(
+            stage, threads, **resources, light=self.light, cells_out=self._cells[0], **self._marked
+        )
+
+    def _step(self, step: Step) -> ComputePass:
+        if step not in self._steps:
+            sums = [storage_rw("light", "vec4f"), *(storage_rw(name, "u32") for name in self._marked)]
+            self._steps[step] = ComputePass(
                 self._device, "propagate", "techniques/lpv/propagation.wgsl",
-                [storage("cells_in", self.kind), storage_rw("cells_out", self.kind, "write"), *faces, *sums],
-                workgroup=(WORKGROUP, 1, 1), block=BLOCK, adds=adds, sources=block_sources(),
+                [*([] if step.first else [storage("cells_in", self.kind)]),
+                 *([storage_rw("cells_out", self.kind, "write")] if step.stores else []),
+                 *([storage("faces", "vec4f")] if step.occluded else []), *(sums if step.adds else []),
+                 *([storage("injected", "vec4f"), storage("peak", "u32")] if step.reads_injected else [])],
+                workgroup=(WORKGROUP, 1, 1), block=BLOCK, first=step.first, adds=step.adds, sources=block_sources(),
                 block_cells=list(itertools.product(*(range(b) for b in BLOCK))),
-                levels=self._travelled.described(BLOCK), access=["load", "store"], occluded=occluded, unit=UNIT,
+                levels=self._travelled.described(BLOCK),
+                access=["load"] * (not step.first) + ["store"] * step.stores, occluded=step.occluded, unit=UNIT,
                 **self._values,
             )  # fmt: skip
-        return self._steps[adds, occluded]
+        return self._steps[step]
 
     def run(self, stage: Any, injected: Any, peak: Any, iterations: int, shares: Any = None) -> None:
         """Accumulate S_0 to S_k of `injected` (vec4f [level][z][y][x][rgb], W/sr) with k = `iterations`. shares: the
         geometry volume (vec4f [level][z][y][x]), half a cell aside, with `occlusion`; no step but the first goes
         without (CLPV 3.3)."""
-        source, target = self._cells
-        self._start.run(
-            stage, self.levels.dispatched(), injected=injected, peak=peak, light=self.light, cells_out=source,
-            **self._marked,
-        )  # fmt: skip
-        threads = self._travelled.dispatched(BLOCK)
-        # An odd number of steps begins with one that adds itself; then each second one adds two.
+        light = {"injected": injected, "peak": peak}
+        if not iterations or self.levels.sizes != self._travelled.sizes:
+            self._start(stage, light, still=bool(iterations))
         if self._faces:
             self._faces.run(stage, shares)
-        for number, adds in enumerate([1] * (iterations % 2) + [0, 2] * (iterations // 2)):
-            others = {"light": self.light, **self._marked} if adds else {}
-            if self._faces and number:
+        threads = self._travelled.dispatched(BLOCK)
+        source, target = self._cells
+        for step in steps_of(iterations, occluded=self._faces is not None, keeps_last=self._keeps_last):
+            others: dict[str, Any] = {} if step.first else {"cells_in": source}
+            if step.stores:
+                others["cells_out"] = target
+            if step.adds:
+                others |= {"light": self.light, **self._marked}
+            if step.occluded and self._faces:
                 others["faces"] = self._faces.faces
-            step = self._step(adds, "faces" in others)
-            step.run(stage, threads, cells_in=source, cells_out=target, **others)
+            if step.reads_injected:
+                others |= light
+            self._step(step).run(stage, threads, **others)
             source, target = target, source
         self.last = source

@@ -3,13 +3,19 @@
 // A step has 30 faces a cell, but their lobes share few directions: flux is summed into one total and one vector for each
 // channel and made a lobe once. Loads and stores are what the step costs on a CPU. So a thread does {{ block|join(" x ") }} cells,
 // which share neighbours; and the sum is only touched in every second step, which then adds what it has read of its own
-// cells besides what it makes of them (`adds` says how many terms).
+// cells besides what it makes of them. The first step reads injected light itself; the sum begins with it in the first or
+// the second. `adds` says how many terms a step adds to the sum: none, two, or three with the injected light.
 
 {{ use("techniques/lpv/cells.wgsl") }}
 
 {% set step = macros("techniques/lpv/receive.wgsl") %}
 {# What the geometry volume lets through the face of cell `key` at the upper or lower end of `axis`, to light along `travel`. #}
 {% macro passing(key, axis, upper, travel) %}{% if occluded %}passes_{{ key }}_{{ axis }}{{ upper|int }}.{{ travel }} * {% endif %}{% endmacro %}
+
+{# What injected light at `offset` counts: nothing outside the volume, where no light is stored. #}
+{% macro scale_at(offset) %}scale{% for k in range(3) if offset[k] < 0 or offset[k] >= block[k] %}_{{ "xyz"[k] }}{{ (offset[k] > 0)|int }}{% endfor %}{% endmacro %}
+
+{% set begins = adds == 3 or first and adds %}
 
 {% macro beside(offset, row, slab) %}{{ 3 * offset[0] }} + {{ offset[1] }} * {{ row }} + {{ offset[2] }} * {{ slab }}{% endmacro %}
 
@@ -26,11 +32,19 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let row = 3 * (level.n + 2);
     let slab = row * (level.n + 2);
     let here = i32(stored_index(level, base, 0u));
-    {% if adds %}
+    {% if adds or first %}
+    let cell_here = level.light + base.x + level.n * (base.y + level.n * base.z);
     let light_row = 3 * level.n;
     let light_slab = light_row * level.n;
-    let light_here = i32(light_index(level, base, 0u));
+    let light_here = 3 * cell_here;
     {% endif %}
+    {% if first or begins %}
+    let scale = storage_scale(peak[0]);
+    {% endif %}
+    {% for axis in range(3) if first %}
+    let scale_{{ "xyz"[axis] }}0 = select(0.0, scale, base.{{ "xyz"[axis] }} > 0);
+    let scale_{{ "xyz"[axis] }}1 = select(0.0, scale, base.{{ "xyz"[axis] }} + {{ block[axis] }} < level.n);
+    {% endfor %}
     {% for cell in block_cells if marks and adds %}
     var largest_{{ loop.index0 }} = 0.0;
     {% endfor %}
@@ -48,17 +62,22 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         var total_{{ loop.index0 }} = 0.0;
         var vector_{{ loop.index0 }} = vec3f(0.0);
         {% endfor %}
-        {% for cell in block_cells if adds == 2 %}
+        {% for cell in block_cells if adds %}
         var former_{{ loop.index0 }}: vec4f;
         {% endfor %}
         {% for source in sources %}
         {
+            {% if first %}
+            let c = {{ scale_at(source.offset) }} * injected[u32(light_here + i32(channel) + {{ beside(source.offset, "light_row", "light_slab") }})];
+            let e = to_emission(c);
+            {% else %}
             let e = load_at(u32(here + i32(channel) + {{ beside(source.offset, "row", "slab") }}));
+            {% endif %}
             {% for use in source.uses %}
             {{ step.receive(use.cell, use.axis, use.sign, passing) }}
             {% endfor %}
-            {% if adds == 2 and source.own is not none %}
-            former_{{ source.own }} = from_emission(e);
+            {% if adds and source.own is not none %}
+            former_{{ source.own }} = {% if first %}c{% else %}from_emission(e){% endif %};
             {% endif %}
         }
         {% endfor %}
@@ -66,19 +85,31 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         {
             let c = vec4f({{ lobe0 }} * total_{{ loop.index0 }}, {{ lobe1 }} * vector_{{ loop.index0 }}.yzx);
             {% if adds %}
-            light[u32(light_here + i32(channel) + {{ beside(cell, "light_row", "light_slab") }})] += c{% if adds == 2 %} + former_{{ loop.index0 }}{% endif %};
+            let number = u32(light_here + i32(channel) + {{ beside(cell, "light_row", "light_slab") }});
+            let terms = c + former_{{ loop.index0 }};
+            {% if adds == 3 %}
+            let start = scale * injected[number];
+            light[number] = start + terms;
+            {% else %}
+            light[number] {{ "=" if begins else "+=" }} terms;
             {% endif %}
-            {% if adds and marks %}
-            largest_{{ loop.index0 }} = max(largest_{{ loop.index0 }}, {% if adds == 2 %}max(c.x, former_{{ loop.index0 }}.x){% else %}c.x{% endif %});
+            {% if marks %}
+            largest_{{ loop.index0 }} = max(largest_{{ loop.index0 }}, max({{ "max(start.x, c.x)" if adds == 3 else "c.x" }}, former_{{ loop.index0 }}.x));
             {% endif %}
+            {% endif %}
+            {% if "store" in access %}
             store_at(u32(here + i32(channel) + {{ beside(cell, "row", "slab") }}), to_emission(c));
+            {% endif %}
         }
         {% endfor %}
     }
     {% for cell in block_cells if marks and adds %}
-    // I_i = i where a step brought light (OLPV 4.2, propagation)
-    if largest_{{ loop.index0 }} > {{ threshold }} {
-        touched[light_index(level, base + vec3i({{ cell|join(", ") }}), 0u) / 3u] = 1u;
-    }
+    {% set mark = "touched[u32(cell_here + %d + level.n * (%d + level.n * %d))]"|format(*cell) %}
+    {% if begins %}
+    // I_i = i where light was injected, downsampled or brought (OLPV 4.2); other entries stay at l - 1, which is 0 here.
+    {{ mark }} = select(0u, 1u, largest_{{ loop.index0 }} > {{ threshold }});
+    {% else %}
+    if largest_{{ loop.index0 }} > {{ threshold }} { {{ mark }} = 1u; }
+    {% endif %}
     {% endfor %}
 }

@@ -1,4 +1,4 @@
-// Before the first step: injected light, scaled for storage, is the first term of the sum and what the cells send.
+// Where there is no step: injected light, scaled for storage, is the whole sum and what the cells would send.
 {{ use("techniques/lpv/cells.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})

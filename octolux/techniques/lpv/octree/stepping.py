@@ -26,6 +26,7 @@ class Stepping:
         self.propagation = Propagation(
             device, levels.sizes, evaluation=s.evaluation, reprojection=s.reprojection, gain=s.gain,
             cell_format=s.cell_format, threshold=s.threshold if s.merge == "index" else None, occlusion=s.occlusion,
+            keeps_last=s.merge == "arrival",
         )  # fmt: skip
         self.lookup = Lookup(
             device, s.n, reading=s.reading, damping=False, lookup_offset=s.lookup_offset, scale=s.scale
