@@ -1,7 +1,8 @@
 // Surfels' shares of the cross sections of the cells that they lie in (simulator/lpv/geometry.py), in fixed point.
 //
-// As inject.wgsl does, a thread walks down {{ run }} surfels of a map's column and adds up the shares of two cells until it
-// meets a third. Each surfel is rounded by itself, so the sums have the same bits however the walks are cut.
+// A thread walks down {{ run }} surfels of a map's column and adds up their shares while they lie in one cell. Three numbers
+// are few enough to be scattered in the loop, unlike inject.wgsl's twelve: no thread waits for another that has met a new
+// cell. Each surfel is rounded by itself, so the sums have the same bits however the walks are cut.
 
 struct Surfel { position: vec3f, normal: vec3f, area: f32 } // no area: nothing is there
 
@@ -24,28 +25,20 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let steps = min({{ run }}u, (surfels.count - 1u - start) / surfels.width + 1u);
     let cross_section = grid.cell_size * grid.cell_size;
     var i = 0u;
+    var cell = NOWHERE;
+    var sum = vec3u(0u);
     loop {
-        var one = NOWHERE;
-        var other = NOWHERE;
-        var both = vec3u(0u);
-        var first = vec3u(0u);
-        loop {
-            let surfel = surfel_at(start + i * surfels.width);
-            let place = vec3i(floor((surfel.position - grid.origin) / grid.cell_size - {{ behind }} * surfel.normal));
-            let used = surfel.area > 0.0 && all(place >= vec3i(0)) && all(place < vec3i(i32(grid.n)));
-            let cell = u32(place.x) + grid.n * (u32(place.y) + grid.n * u32(place.z));
-            one = select(one, cell, used && one == NOWHERE);
-            other = select(other, cell, used && cell != one && other == NOWHERE);
-            if used && cell != one && cell != other { break; }
-            let share = min(vec3f(1.0), abs(surfel.normal) * (surfel.area / cross_section));
-            let fixed = select(vec3u(0u), vec3u(round(share * {{ one }}.0)), used);
-            both += fixed;
-            first += select(vec3u(0u), fixed, cell == one);
-            i++;
-            if i >= steps { break; }
-        }
-        if one != NOWHERE { add_shares(one, first); }
-        if other != NOWHERE { add_shares(other, both - first); }
+        let surfel = surfel_at(start + i * surfels.width);
+        let place = vec3i(floor((surfel.position - grid.origin) / grid.cell_size - {{ behind }} * surfel.normal));
+        let used = surfel.area > 0.0 && all(place >= vec3i(0)) && all(place < vec3i(i32(grid.n)));
+        let next = select(cell, u32(place.x) + grid.n * (u32(place.y) + grid.n * u32(place.z)), used);
+        let share = min(vec3f(1.0), abs(surfel.normal) * (surfel.area / cross_section));
+        let fixed = select(vec3u(0u), vec3u(round(share * {{ one }}.0)), used);
+        if next != cell && cell != NOWHERE { add_shares(cell, sum); }
+        sum = select(sum, vec3u(0u), next != cell) + fixed;
+        cell = next;
+        i++;
         if i >= steps { break; }
     }
+    if cell != NOWHERE { add_shares(cell, sum); }
 }
