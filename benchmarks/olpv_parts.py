@@ -20,8 +20,8 @@ OTHER = "other"
 """What the thesis does not time: the G-buffer, direct light, lookup, composite."""
 
 _CLEARED = {"LPV geometry volume": "GVClear", "LPV index volume": "IXClear"}
-# Propagation begins with bringing injected light into the cells and marking in the index what was injected and
-# downsampled. `volumes` is the uniform volume's copy for the texture unit, which the octree's merge writes itself.
+# The first step of propagation reads injected light, and the sum begins with it and the index with its marks: no pass
+# does that alone. `volumes` is the uniform volume's copy for the texture unit, which the octree's merge writes itself.
 _STAGES = {"RSM rendering": "RSMCreate", "RSM surfaces": "RSMCreate", "geometry volume": "GVInject",
            "injection": "LPVInject", "downsampling": "LPVDownsample", "propagation": "LPVPropagate",
            "merge": "LPVMerge", "volumes": "LPVMerge"}  # fmt: skip

@@ -1,4 +1,4 @@
-"""Propagation (propagation.wgsl, and start.wgsl for none) against the simulator's, and what a step must do in closed form."""
+"""Propagation (propagation.wgsl, start.wgsl) against the simulator's, and what a step must do in closed form."""
 
 from __future__ import annotations
 
