@@ -28,8 +28,7 @@ _GBUFFER_SAMPLES = 256  # surfels along the longer side of the picture: as many 
 
 class GeometryVolume:
     """`shares`: vec4f [level][z][y][x]: of the cell's cross section, what is blocked along x, y and z. `packed`: the
-    same
-    in the bytes of a word, for those who read many.
+    same in the bytes of a word, for those who read many, after `pack`.
 
     coarsest level as in `levels`. camera: the G-buffer's surfaces count besides those that lights see.
     """
@@ -70,7 +69,7 @@ class GeometryVolume:
     def run(self, stage: Any, frame: Frame, grid: Any) -> None:
         """From the RSM of each lamp, each merged by maximum (CLPV 3.2), and the G-buffer. The many coarse maps of the
         sky and of glowing surfaces are left out: they would cost more than they add."""
-        stage.encoder.clear_buffer(self.shares)
+        stage.encoder.clear_buffer(self.shares, 0, self.n**3 * 16)  # coarser levels are written over
         lamps = frame.vpl_ranges[: frame.lights.lamps]
         while len(self._surfels) < len(lamps) + 1:
             self._surfels.append(self.device.uniform("LPV surfels", SURFELS.array(1)))
@@ -82,6 +81,9 @@ class GeometryVolume:
         if self._camera:
             self._camera_surfels(stage, frame, grid, self._surfels[-1])
         self._downsampling.run(stage, self.shares)
+
+    def pack(self, stage: Any) -> None:
+        """Make `packed` of the shares."""
         self._pack.run(stage, self._rows, shares=self.shares, packed=self.packed)
 
     def _camera_surfels(self, stage: Any, frame: Frame, grid: Any, buffer: Any) -> None:

@@ -54,7 +54,7 @@ class Injection:
 
     def run(self, stage: Any, grid: Any, vpls: Any, sources: Sequence[VplSource]) -> None:
         """Inject every source into cleared cells. grid: uniform buffer of GRID."""
-        stage.encoder.clear_buffer(self.injected)
+        stage.encoder.clear_buffer(self.injected, 0, self.n**3 * 48)  # coarser levels are written over
         stage.encoder.clear_buffer(self.peak)
         used = 0
         for group in group_sources(sources):

@@ -76,6 +76,8 @@ class OctreeLpv(Technique):
         if self.geometry:
             with profiler.stage("geometry volume") as stage:
                 self.geometry.run(stage, frame, self._blocker_grid_buffer)
+                if self.settings.propagation == "gather":
+                    self.geometry.pack(stage)
         with profiler.stage("downsampling") as stage:
             self.downsampling.run(stage, self.injection.injected)
             if self.settings.propagation == "gather":
