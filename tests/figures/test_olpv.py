@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from benchmarks import olpv_artefacts, olpv_sweep, olpv_table1
+from benchmarks import olpv_artefacts, olpv_sweep, olpv_table1, scenes_on_disk
 from benchmarks.olpv_jumps import DEFAULT, STEPS, THESIS, element, excess_steps, wall
 from benchmarks.olpv_parts import OTHER, PARTS, Times, part_of
 from benchmarks.olpv_table1 import UNIFORM, measured, rows, tables
@@ -119,6 +119,7 @@ def test_wrong_options(monkeypatch, capsys, words, says):
 
 def test_a_missing_scene_is_said(monkeypatch, capsys, tmp_path):
     monkeypatch.setenv("OCTOLUX_DATA", str(tmp_path))
+    monkeypatch.setattr("benchmarks.scenes_on_disk.load", scenes_on_disk.load.__wrapped__)  # nothing from tests before
     monkeypatch.setattr(olpv_table1, "base_scene", olpv_table1.base_scene.__wrapped__)
     monkeypatch.setattr("benchmarks.olpv_scene.base_scene", olpv_table1.base_scene)
     assert olpv_table1.main(["--scene", "crytek", "--frames", "1"]) == 2
