@@ -3,8 +3,7 @@
 Each surfel (a texel of an RSM or of the G-buffer) has an area and a normal. A cell holds the three projected areas
 a = sum of area |n| over the square of the cell size: the share of the cell's cross section that is blocked for light
 along x, y and z. Kaplanyan & Dachsbacher 2010, 3.2 hold the same, area / s^2 times the cosine, as a two-band SH lobe
-around
-the normal; its band 1 cancels for a thin wall that is seen from both sides, which three sizes do not.
+around the normal; its band 1 cancels for a thin wall that is seen from both sides, which three sizes do not.
 """
 
 from __future__ import annotations
@@ -18,9 +17,8 @@ from octolux.simulator.lpv.octree import downsample, level_sizes
 
 CONE_LENGTH = 5.0
 """Length over cell size at which the march along a cone goes on to the next level. A node is read from 1.5 to 3.5 of
-its
-sizes away (gathering.py), 2.5 on average: the cone to it is 1/2.5 as wide as it is long, and cells of half its width
-resolve what lies in it."""
+its sizes away (gathering.py), 2.5 on average: the cone to it is 1/2.5 as wide as it is long, and cells of half its
+width resolve what lies in it."""
 
 LEFT_OUT = 1.5
 """Cells before the middle of a node of one cell that do not block its light: its own half, and the next."""
@@ -65,14 +63,12 @@ def geometry_levels(finest: np.ndarray, coarsest: int = 1) -> list[np.ndarray]:
 
 def face_transmittance(shares) -> np.ndarray:
     """What faces let through in a propagation step: float64 (n + 1, n + 1, n + 1, 3, 3), [z][y][x][axis][travel] of
-    the lower
-    face, across `axis`, of each cell, for light that travels along +-`travel`.
+    the lower face, across `axis`, of each cell, for light that travels along +-`travel`.
 
     shares: [z][y][x][3] of a geometry volume that lies half a cell aside, so that four of its cells meet in the
-    middle of
-    a face; their mean is the bilinear value there (CLPV 3.3). Light comes from the neighbour's middle: straight to the
-    far face, and along (2 travel + side) / sqrt(5) to the sides (transfer.CENTRE_DIRECTIONS); a cell blocks shares.|w|
-    of it. Nothing blocks beyond the volume.
+    middle of a face; their mean is the bilinear value there (CLPV 3.3). Light comes from the neighbour's middle:
+    straight to the far face, and along (2 travel + side) / sqrt(5) to the sides (transfer.CENTRE_DIRECTIONS); a cell
+    blocks shares.|w| of it. Nothing blocks beyond the volume.
     """
     n = shares.shape[0]
     padded = np.zeros((n + 2,) * 3 + (3,))
