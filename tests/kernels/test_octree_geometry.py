@@ -126,6 +126,8 @@ def test_a_cell_with_too_much_is_closed(device, made):
 
 def test_packed_shares_are_the_nearest_bytes(device, made):
     levels = run(device, made, [random_surfels(np.random.default_rng(5), 5000, 0.1)])
+    with one_stage(device) as stage:
+        made.pack(stage)
     words = read_buffer(device, made.packed, np.uint32)[: LEVELS.cells]
     packed = np.stack([words >> shift & 255 for shift in (0, 8, 16)], axis=-1) / 255.0
     shares = np.concatenate([level.reshape(-1, 3) for level in levels])
