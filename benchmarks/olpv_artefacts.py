@@ -6,8 +6,6 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from octolux.scene.errors import OctoluxError
-
 from . import written_tables
 from .olpv_jumps import THESIS, UNIFORMS, back_share, largest_jumps
 from .olpv_rooms import OCCLUDED, OPEN, bleeding, temporal_jump
@@ -36,16 +34,15 @@ def main(words: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.olpv_artefacts", description=__doc__)
     written_tables.add_options(parser)
     arguments = parser.parse_args(words)
-    try:
+
+    def work() -> None:
         written_tables.check(arguments)
         titles, *lines = rows()
         data = [dict(zip(titles, line, strict=True)) for line in lines]
         title = "Artefacts: jumps in stops, the others as shares of the light"
         written_tables.give_out(arguments, [(title, [titles, *lines])], {"artefacts": data})
-    except OctoluxError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
+
+    return written_tables.exit_code(work)
 
 
 if __name__ == "__main__":

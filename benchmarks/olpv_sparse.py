@@ -10,7 +10,6 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 
-from octolux.scene.errors import OctoluxError
 from octolux.techniques.lpv.octree.sparse import SparseStepping
 from octolux.techniques.lpv.octree.technique import OctreeLpv
 from octolux.techniques.lpv.uniform.technique import UniformLpv
@@ -18,7 +17,7 @@ from octolux.techniques.lpv.uniform.technique import UniformLpv
 from . import written_tables
 from .lab import device, milliseconds
 from .olpv_scene import SCENES, Kept, kept
-from .registry import NeedsData, figure
+from .registry import figure
 
 ROUNDS, WARM_UP, CELLS = 9, 2, (32, 64, 128)
 _MOST_UNIFORM = 64  # what `uniform-lpv` takes
@@ -129,18 +128,14 @@ def main(words: Sequence[str] | None = None) -> int:
     parser.add_argument("--scene", choices=tuple(SCENES), default="atrium")
     written_tables.add_options(parser)
     arguments = parser.parse_args(words)
-    try:
+
+    def work() -> None:
         written_tables.check(arguments)
         found = [cost for n in CELLS for cost in costs(arguments.scene, n, _possible(n))]
         table = (f"Steps through a sparse octree, {arguments.scene}", rows(found))
         written_tables.give_out(arguments, [table], {"scene": arguments.scene, "costs": [asdict(c) for c in found]})
-    except NeedsData as missing:
-        print(f"error: {arguments.scene} needs OCTOLUX_DATA ({missing})", file=sys.stderr)
-        return 2
-    except OctoluxError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
+
+    return written_tables.exit_code(work, arguments.scene)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from . import olpv_sweep, written_tables
 from .lab import device
 from .olpv_parts import CLEAR_TO_MERGE, PARTS, PartProfiler, Times
 from .olpv_scene import SCENES, base_scene, lit, renderer
-from .registry import NeedsData, at_most, figure
+from .registry import at_most, figure
 
 SIZE, WARM_UP = (1280, 720), 2
 UNIFORM = "uniform-lpv:thesis"
@@ -170,17 +170,13 @@ def _sweep(arguments: argparse.Namespace) -> tuple[dict, list[written_tables.Tab
 def main(words: Sequence[str] | None = None) -> int:
     """Exit code 0, or 2 for a wrong option, a scene that is not there, or a file that cannot be written."""
     arguments = _arguments(words)
-    try:
+
+    def work() -> None:
         size = _checked(arguments)
         data, made = _sweep(arguments) if arguments.sweep else _table(arguments, size)
         written_tables.give_out(arguments, made, {"scene": arguments.scene, **data})
-    except NeedsData as missing:
-        print(f"error: {arguments.scene} needs OCTOLUX_DATA ({missing})", file=sys.stderr)
-        return 2
-    except OctoluxError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    return 0
+
+    return written_tables.exit_code(work, arguments.scene)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,11 @@
-"""What commands that print tables of their own share: --json and --markdown."""
+"""What commands that print tables of their own share: --json, --markdown and their exit code."""
 
 from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Mapping, Sequence
+import sys
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +13,24 @@ from octolux.output.atomic import replacing
 from octolux.scene.errors import OctoluxError
 
 from .lab import device
+from .registry import NeedsData
 from .tables import aligned, markdown
 
 Table = tuple[str, Sequence[Sequence[str]]]
 """A title, and rows of cells, the first of which are the columns' titles."""
+
+
+def exit_code(work: Callable[[], None], scene: str = "the scene") -> int:
+    """Do the work of a command: 0, or 2 with one line for a mistake or for data that is not there."""
+    try:
+        work()
+    except NeedsData as missing:
+        print(f"error: {scene} needs OCTOLUX_DATA ({missing})", file=sys.stderr)
+        return 2
+    except OctoluxError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    return 0
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
