@@ -215,3 +215,10 @@ def test_memory_does_not_grow(preset):
         made.render()
         held.append(device.memory.total)
     assert held[3:] == held[3:6] * 9
+
+
+@pytest.mark.parametrize(("changes", "remedy"), [({"combine": "average"}, "combine=sum"),
+                                                 ({"injection": "thesis"}, "injection=flux")])  # fmt: skip
+def test_gathering_takes_no_settings_that_lose_flux(changes, remedy):
+    with pytest.raises(SettingsError, match=remedy):
+        OctreeLpvSettings.make(**changes)

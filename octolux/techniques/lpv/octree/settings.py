@@ -67,12 +67,12 @@ class OctreeLpvSettings(LpvSettings):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.propagation != "sparse":
-            return
-        if self.occlusion:
+        if self.propagation == "sparse" and self.occlusion:
             raise SettingsError("Sparse propagation has no occlusion. Set occlusion=false, or use the preset 'sparse'.")
-        if self.combine != "sum":
-            raise SettingsError("Sparse propagation keeps flux: a leaf has the sum of its children. Set combine=sum.")
+        if self.propagation != "steps" and self.combine != "sum":
+            raise SettingsError(f"'{self.propagation}' keeps flux: parents are sums of children. Set combine=sum.")
+        if self.propagation == "gather" and self.injection != "flux":
+            raise SettingsError("'gather' reads cells as flux: VPLs inject theirs. Set injection=flux.")
 
     PRESETS: ClassVar[dict[str, dict[str, Any]]] = {
         "steps": {"propagation": "steps", "occlusion": False},
