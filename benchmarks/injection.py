@@ -11,9 +11,10 @@ import numpy as np
 
 from octolux.frame.frame import Frame, FrameSettings
 from octolux.frame.structs import VPL
-from octolux.gpu.bindings import storage, uniform
+from octolux.gpu.bindings import uniform
 from octolux.gpu.device import Device
 from octolux.gpu.passes import ComputePass
+from octolux.gpu.records import read_records, record_texture, records
 from octolux.renderer import Renderer
 from octolux.scene.builtin import atrium
 from octolux.scene.scene import Scene
@@ -43,7 +44,7 @@ class OneAddEach(Injection):
         super().__init__(device, n)
         self._inject = ComputePass(
             device, "one add each", str(_ATOMICS),
-            [uniform("source", SOURCE), uniform("grid", GRID), storage("vpls", VPL), atomic_words("sums", "i32")],
+            [uniform("source", SOURCE), uniform("grid", GRID), records("vpls", VPL), atomic_words("sums", "i32")],
             structs=[SOURCE, GRID, VPL], workgroup=(64, 1, 1), **SH_CONSTANTS,
         )  # fmt: skip
 
@@ -77,7 +78,8 @@ def scene_vpls(scene: Scene, settings: FrameSettings) -> Case:
     frame = technique.frame
     lights = zip(frame.vpl_ranges, frame.vpl_widths, frame.lights.total_flux, strict=True)
     sources = [VplSource(first, count, flux, width=width) for (first, count), width, flux in lights]
-    return read_buffer(frame.vpls, VPL.dtype), sources, Grid.around(*frame.world_box, N)
+    vpls = read_records(device(), frame.vpls, VPL, sum(count for _, count in frame.vpl_ranges))
+    return vpls, sources, Grid.around(*frame.world_box, N)
 
 
 def sun_vpls(scene: Scene) -> Case:
@@ -116,7 +118,7 @@ def _made() -> tuple[OneAddEach, Injection]:
 def _speedup(case: Case) -> float:
     """Ratio of times of the whole injection: clearing, scattering, to W/sr."""
     vpls, sources, grid = case
-    buffers = device().uniform("grid", pack_grid(grid)), device().buffer("VPLs", vpls)
+    buffers = device().uniform("grid", pack_grid(grid)), record_texture(device(), "VPLs", VPL, len(vpls), vpls)
 
     def timed(made: Injection) -> None:
         with submitted() as stage:
@@ -129,7 +131,7 @@ def _speedup(case: Case) -> float:
 def different_words(case: Case) -> int:
     """How many words of the injected light and its peak differ from the baseline's."""
     vpls, sources, grid = case
-    buffers = device().uniform("grid", pack_grid(grid)), device().buffer("VPLs", vpls)
+    buffers = device().uniform("grid", pack_grid(grid)), record_texture(device(), "VPLs", VPL, len(vpls), vpls)
     found = []
     for made in _made():
         with submitted() as stage:

@@ -6,7 +6,7 @@
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= source.count { return; }
-    let vpl = vpls[source.first + id.x];
+    let vpl = load_vpls(source.first + id.x);
     if all(vpl.flux == vec3f(0.0)) { return; }
     let normal = unpack_unit_vector(vpl.normal);
     let cell = vec3i(floor((vpl.position - grid.origin) / grid.cell_size + 0.5 * normal));

@@ -98,8 +98,9 @@ class TracedPaths:
 class Frame:
     """Everything one picture needs. `views` are the camera's and then one for each shadow map.
 
-    shadow_maps, coarse_maps: depth arrays.  vpls: buffer of VPL, set when the technique needs RSMs: each light's
-    [layer][row][column], of which vpl_ranges says first and number, and vpl_widths the length of a row.
+    shadow_maps, coarse_maps: depth arrays.  vpls: texture of VPL (gpu/records.py), set when the technique needs
+    RSMs: each light's [layer][row][column], of which vpl_ranges says first and number, and vpl_widths the length of
+    a row.
     irradiance: rgba32float texture a technique writes: irradiance before albedo, and ambient visibility in alpha;
     specular: radiance already weighted by the BRDF. None is black.
     radiance: rgba32float texture of a technique that makes the whole picture: radiance, and coverage in alpha;

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..gpu.bindings import storage_rw, texture, uniform
+from ..gpu.bindings import texture, uniform
 from ..gpu.device import Device, DeviceError
 from ..gpu.limits import DEFAULT_LIMITS
 from ..gpu.passes import ComputePass
+from ..gpu.records import record_texture, records_out
 from ..gpu_scene.gpu_scene import GpuScene
 from ..simulator.rsm import MIN_COSINE
 from .frame import COARSE_BLOCK, Frame, FrameSettings
@@ -23,7 +24,8 @@ class RSMPass:
 
     def __init__(self, device: Device, scene: GpuScene, settings: FrameSettings):
         self.device = device
-        self._buffer: Any = None
+        self._vpls: Any = None
+        self._room = 0
         stride = settings.shadow_resolution // settings.rsm_resolution
         self._edges = (settings.rsm_resolution, settings.coarse_resolution // COARSE_BLOCK)
         blocks = ((self._edges[0], stride), (self._edges[1], COARSE_BLOCK))
@@ -36,7 +38,7 @@ class RSMPass:
             device, "RSM", "frame/rsm.wgsl",
             [
                 views_binding(), lights_binding(), uniform("maps", RSM_SET),
-                texture("shadow_ids", "uint", "2d-array"), storage_rw("vpls", VPL, "write"),
+                texture("shadow_ids", "uint", "2d-array"), records_out("vpls", VPL),
             ],
             structs=[VIEW, LIGHT, VPL, RSM_SET], shared=scene.bindings, shadows=False,
             resolution=resolution, stride=stride, min_cosine=MIN_COSINE, **CONSTANTS, **surface_values(scene),
@@ -47,7 +49,7 @@ class RSMPass:
         layers = (frame.lights.main_views, len(frame.lights.views) - frame.lights.main_views)
         counts = [n * edge**2 for n, edge in zip(layers, self._edges, strict=True)]
         self._make_room(frame, sum(counts))
-        frame.vpls = self._buffer
+        frame.vpls = self._vpls
         frame.vpl_ranges, frame.vpl_widths = self._ranges(frame)
         if not any(layers):
             return
@@ -74,8 +76,8 @@ class RSMPass:
                 f"{limit // VPL.size} VPLs that fit. Use fewer lights (a point light has six views), fewer "
                 "--sky-lights or a lower --rsm-resolution."
             )
-        if self._buffer is None or self._buffer.size != size:
-            self._buffer = self.device.buffer("VPLs", size=size)
+        if self._vpls is None or self._room != vpls:
+            self._vpls, self._room = record_texture(self.device, "VPLs", VPL, vpls), vpls
 
     def _ranges(self, frame: Frame) -> tuple[list[tuple[int, int]], list[int]]:
         """First and number of the VPLs of each light, those of its views behind one another; and how many a row has."""

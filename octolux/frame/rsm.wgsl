@@ -13,7 +13,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let index = maps.first_vpl + (layer * {{ resolution }}u + id.y) * {{ resolution }}u + id.x;
     let triangle = textureLoad(shadow_ids, texel, layer, 0).x;
     if triangle == 0u {
-        vpls[index] = Vpl(vec3f(0.0), 0u, vec3f(0.0), 0.0);
+        store_vpls(index, Vpl(vec3f(0.0), 0u, vec3f(0.0), 0.0));
         return;
     }
     let view = views[maps.first_view + layer];
@@ -53,5 +53,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
     let albedo = reflected * (1.0 - metallic);
     let area = footprint / max(abs(along) / secant, {{ min_cosine }});
-    vpls[index] = Vpl(hit.position, pack_unit_vector(facing * hit.normal), albedo * received, area);
+    store_vpls(index, Vpl(hit.position, pack_unit_vector(facing * hit.normal), albedo * received, area));
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -30,6 +31,12 @@ def _from_word(kind: str, offset: int) -> str:
         raise ValueError(f"a {kind} does not lie in one 16-byte word")
     first = offset % 16 // 4
     return f"bitcast<{kind}>(w{offset // 16}.{'xyzw'[first : first + width]})"
+
+
+def _as_bits(kind: str, value: str) -> str:
+    """WGSL text of a member's bits, as u32 or a vector of them."""
+    width = _TYPES[kind][3] // 4
+    return f"bitcast<{'u32' if width == 1 else f'vec{width}u'}>({value})"
 
 
 def _round_up(value: int, step: int) -> int:
@@ -73,19 +80,35 @@ class Struct:
         """The declaration as WGSL text, on one line so that it does not shift the lines of its file."""
         return f"struct {self.name} {{ {', '.join(f'{n}: {t}' for n, t in self.fields)} }}"
 
-    def wgsl_loader(self, buffer: str) -> str:
-        """A WGSL function `load_BUFFER(index) -> NAME` that reads an element from `buffer: array<vec4u>`, on one line.
-
-        It reads 16 bytes at a time, where a load of the struct would read member by member: on a software adapter each
-        load costs about the same, whatever its width. Raises ValueError when the struct does not fill 16-byte words.
-        """
+    @property
+    def words(self) -> int:
+        """16-byte words of an element. Raises ValueError when the struct does not fill them."""
         if self.size % 16:
             raise ValueError(f"struct {self.name} has {self.size} bytes, not a multiple of 16")
-        count = self.size // 16
-        words = "".join(f"let w{i} = {buffer}[{count}u * index + {i}u]; " for i in range(count))
+        return self.size // 16
+
+    def wgsl_loader(self, name: str, word: Callable[[int], str] | None = None) -> str:
+        """A WGSL function `load_NAME(index) -> STRUCT`, on one line.
+
+        It reads 16 bytes at a time, where a load of the struct would read member by member: on a software adapter each
+        load costs about the same, whatever its width. word: text of an element's i-th word; otherwise elements lie in
+        `NAME: array<vec4u>`. Raises ValueError when the struct does not fill 16-byte words.
+        """
+        word = word or (lambda i: f"{name}[{self.words}u * index + {i}u]")
+        words = "".join(f"let w{i} = {word(i)}; " for i in range(self.words))
+        values = ", ".join(_from_word(kind, self._offset(field)) for field, kind in self.fields)
+        return f"fn load_{name}(index: u32) -> {self.name} {{ {words}return {self.name}({values}); }}"
+
+    def wgsl_words(self, value: str) -> list[str]:
+        """WGSL text of the 16-byte words (vec4u) of `value`. Its members are vectors and numbers without gaps."""
+        members: list[list[str]] = [[] for _ in range(self.words)]
+        for field, kind in self.fields:
+            members[self._offset(field) // 16].append(_as_bits(kind, f"{value}.{field}"))
+        return [f"vec4u({', '.join(parts)})" for parts in members]
+
+    def _offset(self, field: str) -> int:
         assert self.dtype.fields is not None
-        values = ", ".join(_from_word(kind, self.dtype.fields[name][1]) for name, kind in self.fields)
-        return f"fn load_{buffer}(index: u32) -> {self.name} {{ {words}return {self.name}({values}); }}"
+        return self.dtype.fields[field][1]
 
     @property
     def size(self) -> int:

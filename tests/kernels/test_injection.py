@@ -10,6 +10,7 @@ import pytest
 from gpu_tools import largest_cell_error, one_stage, random_directions, read_buffer
 
 from octolux.frame.structs import VPL
+from octolux.gpu.records import record_texture
 from octolux.simulator.camera import pack_normals, unpack_normals
 from octolux.simulator.grid import Grid
 from octolux.simulator.lpv import injection as reference
@@ -55,7 +56,7 @@ def run(device, injection, groups, totals, grid=GRID) -> tuple[np.ndarray, float
     for start, group in zip(starts, groups, strict=False):
         vpls[start : start + len(group)] = group
     with one_stage(device) as stage:
-        buffers = device.uniform("grid", pack_grid(grid)), device.buffer("vpls", vpls)
+        buffers = device.uniform("grid", pack_grid(grid)), record_texture(device, "vpls", VPL, len(vpls), vpls)
         injection.run(stage, *buffers, sources)
     cells = read_buffer(device, injection.injected).reshape(N, N, N, 3, 4)
     return cells, float(read_buffer(device, injection.peak)[0])
@@ -166,7 +167,8 @@ def clustered_vpls(rng, count: int) -> np.ndarray:
 def words(device, injection, vpls, sources) -> np.ndarray:
     """All bits of the injected light, and the peak's."""
     with one_stage(device) as stage:
-        injection.run(stage, device.uniform("grid", pack_grid(GRID)), device.buffer("vpls", vpls), sources)
+        texture = record_texture(device, "vpls", VPL, len(vpls), vpls)
+        injection.run(stage, device.uniform("grid", pack_grid(GRID)), texture, sources)
     return np.concatenate([read_buffer(device, b, np.uint32) for b in (injection.injected, injection.peak)])
 
 

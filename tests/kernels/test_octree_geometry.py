@@ -9,6 +9,7 @@ import pytest
 from gpu_tools import one_stage, random_directions, read_buffer, scene_of, small_settings
 
 from octolux.frame.structs import VPL
+from octolux.gpu.records import record_texture
 from octolux.renderer import Renderer
 from octolux.scene.builtin.shapes import quad
 from octolux.scene.cameras import Camera
@@ -55,7 +56,8 @@ def run(
     for start, group in zip(starts, groups, strict=False):
         vpls[start : start + len(group)] = group
     frame = SimpleNamespace(
-        vpls=device.buffer("vpls", vpls), lights=SimpleNamespace(lamps=len(groups) if lamps is None else lamps),
+        vpls=record_texture(device, "vpls", VPL, len(vpls), vpls),
+        lights=SimpleNamespace(lamps=len(groups) if lamps is None else lamps),
         vpl_ranges=[(int(s), len(g)) for s, g in zip(starts, groups, strict=False)], vpl_widths=[width] * len(groups),
     )  # fmt: skip
     with one_stage(device) as stage:

@@ -6,10 +6,11 @@ from math import cos, pi, radians
 
 import numpy as np
 import pytest
-from gpu_tools import front_camera, read_buffer, scene_of
+from gpu_tools import front_camera, scene_of
 
 from octolux.frame.frame import FrameSettings
 from octolux.frame.structs import VPL
+from octolux.gpu.records import read_records
 from octolux.renderer import Renderer
 from octolux.scene.builtin.shapes import box, quad
 from octolux.scene.lights import DirectionalLight, PointLight, SpotLight
@@ -39,7 +40,8 @@ def vpls_of(device, scene, *, shadow=64, rsm=64) -> np.ndarray:
     renderer = Renderer(scene, "none", size=(8, 8), device=device, frame_settings=settings)
     renderer.technique = Vpls(device, Settings())
     renderer.render(front_camera())
-    data = read_buffer(device, renderer.technique.frame.vpls, VPL.dtype)
+    frame = renderer.technique.frame
+    data = read_records(device, frame.vpls, VPL, sum(count for _, count in frame.vpl_ranges))
     return data.reshape(-1, rsm, rsm)
 
 

@@ -10,6 +10,7 @@ from ...gpu.bindings import storage, storage_rw, texture, uniform
 from ...gpu.device import Device
 from ...gpu.layout import Struct
 from ...gpu.passes import ComputePass
+from ...gpu.records import records
 from ...simulator.lpv.geometry import BEHIND
 from ...simulator.rsm import MIN_COSINE
 from .constants import GRID
@@ -18,11 +19,12 @@ from .injection import RUN, atomic_words, walks
 from .levels import ROW, Levels
 
 # Surfels from number `first` on, in rows of `width`. block: pixels along each side of one's block of the G-buffer.
-SURFELS = Struct("Surfels", first="u32", count="u32", width="u32", block="u32")
+# sums: number of the first cell of this buffer's sums.
+SURFELS = Struct("Surfels", first="u32", count="u32", width="u32", block="u32", sums="u32")
 # Shares are summed in fixed point, so that they have the same bits in any order: 2^16 is a wall. A cell that has as
-# much
-# takes no more, so that no sum comes near 2^32.
+# much takes no more, so that no sum comes near 2^32.
 _ONE = 1 << 16
+_AT_ONCE = 4  # buffers that have sums of their own: four of 128^3 cells fit in one binding
 _GBUFFER_SAMPLES = 256  # surfels along the longer side of the picture: as many as an RSM has
 
 
@@ -37,7 +39,7 @@ class GeometryVolume:
         self.device, self.n, self._camera = device, levels.sizes[0], camera
         self.shares = device.buffer("LPV geometry volume", size=levels.cells * 16)
         self.packed = device.buffer("LPV geometry volume", size=levels.cells * 4)
-        self._sums = device.buffer("LPV surfel sums", size=self.n**3 * 12)
+        self._sums = device.buffer("LPV surfel sums", size=_AT_ONCE * self.n**3 * 12)
         self._surfels: list[Any] = []
         grid, sums = uniform("grid", GRID), atomic_words("sums", "u32")
         values: dict[str, Any] = {
@@ -45,7 +47,7 @@ class GeometryVolume:
         }  # fmt: skip
         self._from_vpls = ComputePass(
             device, "surfels of an RSM", "techniques/lpv/surfels_rsm.wgsl",
-            [uniform("surfels", SURFELS), grid, storage("vpls", VPL), sums],
+            [uniform("surfels", SURFELS), grid, records("vpls", VPL), sums],
             structs=[SURFELS, GRID, VPL], workgroup=(64, 1, 1), **values,
         )  # fmt: skip
         self._from_gbuffer = ComputePass(
@@ -56,7 +58,8 @@ class GeometryVolume:
         )  # fmt: skip
         self._merge = ComputePass(
             device, "merge surfels", "techniques/lpv/surfels_merge.wgsl",
-            [storage_rw("sums", "u32"), storage_rw("shares", "vec4f")], workgroup=(64, 1, 1), **values,
+            [storage_rw("sums", "u32"), storage_rw("shares", "vec4f")], workgroup=(64, 1, 1), at_once=_AT_ONCE,
+            **values,
         )  # fmt: skip
         self._pack = ComputePass(
             device, "pack shares", "techniques/lpv/pack_shares.wgsl",
@@ -70,31 +73,36 @@ class GeometryVolume:
         """From the RSM of each lamp, each merged by maximum (CLPV 3.2), and the G-buffer. The many coarse maps of the
         sky and of glowing surfaces are left out: they would cost more than they add."""
         stage.encoder.clear_buffer(self.shares, 0, self.n**3 * 16)  # coarser levels are written over
-        lamps = frame.vpl_ranges[: frame.lights.lamps]
-        while len(self._surfels) < len(lamps) + 1:
-            self._surfels.append(self.device.uniform("LPV surfels", SURFELS.array(1)))
-        for (first, count), width, buffer in zip(lamps, frame.vpl_widths, self._surfels, strict=False):
-            self.device.write(buffer, SURFELS.pack(first=first, count=count, width=width, block=1))
-            threads = (walks(count, width),)
-            self._from_vpls.run(stage, threads, surfels=buffer, grid=grid, vpls=frame.vpls, sums=self._sums)
-            self._merged(stage)
-        if self._camera:
-            self._camera_surfels(stage, frame, grid, self._surfels[-1])
+        lamps = list(zip(frame.vpl_ranges, frame.vpl_widths, strict=True))[: frame.lights.lamps]
+        buffers = [*lamps, None] if self._camera else lamps
+        for number, buffer in enumerate(buffers):
+            if buffer is None:
+                self._camera_surfels(stage, frame, grid, number)
+            else:
+                (first, count), width = buffer
+                surfels = self._surfels_buffer(number, first=first, count=count, width=width, block=1)
+                threads = (walks(count, width),)
+                self._from_vpls.run(stage, threads, surfels=surfels, grid=grid, vpls=frame.vpls, sums=self._sums)
+            if number % _AT_ONCE == _AT_ONCE - 1 or number == len(buffers) - 1:
+                self._merge.run(stage, (self.n**3,), sums=self._sums, shares=self.shares)
         self._downsampling.run(stage, self.shares)
 
     def pack(self, stage: Any) -> None:
         """Make `packed` of the shares."""
         self._pack.run(stage, self._rows, shares=self.shares, packed=self.packed)
 
-    def _camera_surfels(self, stage: Any, frame: Frame, grid: Any, buffer: Any) -> None:
+    def _surfels_buffer(self, number: int, **values: int) -> Any:
+        """A uniform buffer for each buffer of a frame: all are written before the first pass runs."""
+        if number == len(self._surfels):
+            self._surfels.append(self.device.uniform("LPV surfels", SURFELS.array(1)))
+        self.device.write(self._surfels[number], SURFELS.pack(sums=number % _AT_ONCE * self.n**3, **values))
+        return self._surfels[number]
+
+    def _camera_surfels(self, stage: Any, frame: Frame, grid: Any, number: int) -> None:
         block = max(1, -(-max(frame.pixels) // _GBUFFER_SAMPLES))
         width, height = (-(-side // block) for side in frame.pixels)
-        self.device.write(buffer, SURFELS.pack(first=0, count=width * height, width=width, block=block))
+        surfels = self._surfels_buffer(number, first=0, count=width * height, width=width, block=block)
         self._from_gbuffer.run(
             stage, (walks(width * height, width),), views=frame.buffers["views"], surface_map=frame.targets.surface,
-            depth_map=frame.targets.depth, surfels=buffer, grid=grid, sums=self._sums,
+            depth_map=frame.targets.depth, surfels=surfels, grid=grid, sums=self._sums,
         )  # fmt: skip
-        self._merged(stage)
-
-    def _merged(self, stage: Any) -> None:
-        self._merge.run(stage, (self.n**3,), sums=self._sums, shares=self.shares)

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from typing import Any
 
 from ...frame.structs import VPL
-from ...gpu.bindings import Binding, storage_rw, storage_words, uniform
+from ...gpu.bindings import Binding, storage_rw, uniform
 from ...gpu.device import Device
 from ...gpu.passes import ComputePass
+from ...gpu.records import records
 from .constants import GRID, SH_CONSTANTS
 from .sources import SOURCE, VplSource, group_sources
 
@@ -43,7 +44,7 @@ class Injection:
         source, grid = uniform("source", SOURCE), uniform("grid", GRID)
         self._inject = ComputePass(
             device, "inject", "techniques/lpv/inject.wgsl",
-            [source, grid, storage_words("vpls", VPL), atomic_words("sums", "i32")],
+            [source, grid, records("vpls", VPL), atomic_words("sums", "i32")],
             structs=[SOURCE, GRID, VPL], workgroup=(64, 1, 1), run=RUN, **SH_CONSTANTS,
         )  # fmt: skip
         self._collect = ComputePass(

@@ -10,10 +10,11 @@ const NOWHERE = 0xffffffffu;
 
 // A walk that brings a whole wall closes the cell: more would only come nearer to 2^32.
 fn add_shares(cell: u32, sum: vec3u) {
+    let at = 3u * (surfels.sums + cell);
     let shares = min(sum, vec3u({{ one }}u));
     {% for k in range(3) %}
-    if shares[{{ k }}] > 0u && atomicLoad(&sums[3u * cell + {{ k }}u]) < {{ one }}u {
-        atomicAdd(&sums[3u * cell + {{ k }}u], shares[{{ k }}]);
+    if shares[{{ k }}] > 0u && atomicLoad(&sums[at + {{ k }}u]) < {{ one }}u {
+        atomicAdd(&sums[at + {{ k }}u], shares[{{ k }}]);
     }
     {% endfor %}
 }

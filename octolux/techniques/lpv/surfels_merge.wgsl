@@ -3,9 +3,20 @@
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= {{ cells }}u { return; }
-    let sum = vec3u(sums[3u * id.x], sums[3u * id.x + 1u], sums[3u * id.x + 2u]);
-    if all(sum == vec3u(0u)) { return; }
-    let share = min(vec3f(1.0), vec3f(sum) / {{ one }}.0);
-    shares[id.x] = max(shares[id.x], vec4f(share, 0.0));
-    for (var k = 0u; k < 3u; k++) { sums[3u * id.x + k] = 0u; }
+    var most = vec3u(0u);
+    {% for buffer in range(at_once) %}
+    {
+        let at = 3u * (id.x + {{ buffer * cells }}u);
+        let sum = vec3u(sums[at], sums[at + 1u], sums[at + 2u]);
+        most = max(most, sum);
+        if any(sum != vec3u(0u)) {
+            sums[at] = 0u;
+            sums[at + 1u] = 0u;
+            sums[at + 2u] = 0u;
+        }
+    }
+    {% endfor %}
+    if any(most != vec3u(0u)) {
+        shares[id.x] = max(shares[id.x], vec4f(min(vec3f(1.0), vec3f(most) / {{ one }}.0), 0.0));
+    }
 }

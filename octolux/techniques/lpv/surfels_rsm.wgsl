@@ -3,6 +3,6 @@
 {{ use("techniques/lpv/surfel.wgsl") }}
 
 fn surfel_at(number: u32) -> Surfel {
-    let vpl = vpls[surfels.first + number];
+    let vpl = load_vpls(surfels.first + number);
     return Surfel(vpl.position, unpack_unit_vector(vpl.normal), vpl.area);
 }

@@ -1,0 +1,59 @@
+"""Arrays of structs in storage textures: on a software adapter a thread reads 16 bytes there in 0.7 ns, in a storage
+buffer, word by word, in 1.7 ns (two cores, llvmpipe 22.3)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import wgpu
+
+from .bindings import Binding
+from .device import Device
+from .layout import Struct
+
+_FORMAT = "rgba32uint"
+_ROW_BITS = 12  # 16-byte words of a row: 8192 rows of them are four times what one buffer binding holds
+_PLACE = f"vec2u((%s) & {(1 << _ROW_BITS) - 1}u, (%s) >> {_ROW_BITS}u)"
+
+
+def _binding(name: str, access: str, loader: str) -> Binding:
+    layout = {"storage_texture": {"access": f"{access}-only", "format": _FORMAT, "view_dimension": "2d"}}
+    return Binding(name, f"var {name}: texture_storage_2d<{_FORMAT}, {access}>;", access, layout, loader=loader)
+
+
+def _place(kind: Struct, word: int) -> str:
+    at = f"{kind.words}u * index + {word}u"
+    return _PLACE % (at, at)
+
+
+def records(name: str, kind: Struct) -> Binding:
+    """Structs that the shader reads with `load_NAME(index)`. Their size is a multiple of 16 bytes."""
+    return _binding(name, "read", kind.wgsl_loader(name, lambda word: f"textureLoad({name}, {_place(kind, word)})"))
+
+
+def records_out(name: str, kind: Struct) -> Binding:
+    """The same, that it writes with `store_NAME(index, value)`."""
+    words = "".join(
+        f"textureStore({name}, {_place(kind, i)}, {word}); " for i, word in enumerate(kind.wgsl_words("value"))
+    )
+    return _binding(name, "write", f"fn store_{name}(index: u32, value: {kind.name}) {{ {words}}}")
+
+
+def record_texture(device: Device, label: str, kind: Struct, count: int, data: np.ndarray | None = None) -> Any:
+    """Room for `count` structs, or more, of zeros or beginning with `data` (kind.dtype, 1D)."""
+    words = max(1, count) * kind.words
+    rows = -(-words // (1 << _ROW_BITS))
+    usage = wgpu.TextureUsage.STORAGE_BINDING | wgpu.TextureUsage.COPY_DST | wgpu.TextureUsage.COPY_SRC
+    made = device.texture(label, (1 << _ROW_BITS, rows), _FORMAT, usage=usage)
+    if data is not None:
+        padded = np.zeros(rows << _ROW_BITS + 4, np.uint8)
+        padded[: data.nbytes] = data.view(np.uint8)
+        layout = {"bytes_per_row": 16 << _ROW_BITS, "rows_per_image": rows}
+        device.queue.write_texture({"texture": made}, padded, layout, made.size)
+    return made
+
+
+def read_records(device: Device, texture: Any, kind: Struct, count: int) -> np.ndarray:
+    """The first `count` structs (kind.dtype)."""
+    return device.read_texture(texture, np.uint32, 4).reshape(-1)[: count * kind.size // 4].view(kind.dtype)
