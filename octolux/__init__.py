@@ -10,7 +10,7 @@ from .picture import Picture
 from .renderer import Renderer
 from .scene.cameras import Camera
 from .scene.errors import OctoluxError, SceneError
-from .scene.lights import AreaLight, DirectionalLight, PointLight, SpotLight
+from .scene.lights import AreaLight, DirectionalLight, ParticleLights, PointLight, SpotLight
 from .scene.load import load_scene as load
 from .scene.materials import Image, Material, Texture
 from .scene.meshes import Instance, Mesh
@@ -21,5 +21,6 @@ __version__ = "0.1.0"
 
 __all__ = [
     "AreaLight", "Camera", "DirectionalLight", "Environment", "Image", "Instance", "Material", "Mesh", "OctoluxError",
-    "Picture", "PointLight", "Renderer", "Scene", "SceneError", "SpotLight", "Texture", "from_trimesh", "load",
+    "ParticleLights", "Picture", "PointLight", "Renderer", "Scene", "SceneError", "SpotLight", "Texture",
+    "from_trimesh", "load",
 ]  # fmt: skip

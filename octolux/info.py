@@ -11,7 +11,7 @@ from typing import Any
 from .gpu.memory import readable
 from .gpu_scene.mipmaps import size_class
 from .scene.gltf.container import read_container
-from .scene.lights import AreaLight, DirectionalLight, Light
+from .scene.lights import AreaLight, DirectionalLight, Light, ParticleLights
 from .scene.load import load_scene
 from .scene.materials import Image, Material, Texture
 from .scene.scene import Scene
@@ -99,6 +99,9 @@ def _light(light: Light) -> dict[str, Any]:
         kind, value, unit = "directional", light.illuminance, "lux"
     elif isinstance(light, AreaLight):
         kind, value, unit = "area", light.radiance, "nits"
+    elif isinstance(light, ParticleLights):
+        kind, value = "particles", light.intensities.sum(axis=0).tolist()
+        unit = f"candela, {len(light.positions):,} together"
     else:
         kind, value, unit = type(light).__name__.removesuffix("Light").lower(), light.intensity, "candela"
     return {"name": light.name, "type": kind, "value": list(value), "unit": unit}

@@ -12,7 +12,7 @@ import numpy as np
 from ..output import check_writable
 from ..output.atomic import replacing
 from ..scene.cameras import Camera
-from ..scene.lights import AreaLight
+from ..scene.lights import AreaLight, Light, ParticleLights, PointLight, SingleLight
 from ..scene.meshes import Instance, Mesh
 from ..scene.scene import Scene
 from .files import FileFolder
@@ -66,9 +66,18 @@ def mitsuba_description(
         "sensor": _sensor(camera, size, samples, _reach(scene, camera)),
     }
     description |= _shapes(scene, writer, files)
-    description |= {f"light-{n}": light(source, n, files) for n, source in enumerate(scene.lights)}
+    lights = [each for source in scene.lights for each in _single(source)]
+    description |= {f"light-{n}": light(source, n, files) for n, source in enumerate(lights)}
     surroundings = environment(scene.environment, files)
     return description if surroundings is None else {**description, "surroundings": surroundings}
+
+
+def _single(source: Light) -> list[SingleLight]:
+    """A light as it is, and particles as the point lights that they are."""
+    if not isinstance(source, ParticleLights):
+        return [source]
+    pairs = zip(source.positions.tolist(), source.intensities.tolist(), strict=True)
+    return [PointLight(position=(x, y, z), intensity=(r, g, b)) for (x, y, z), (r, g, b) in pairs]
 
 
 def _reach(scene: Scene, camera: Camera) -> float:

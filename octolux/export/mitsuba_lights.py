@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..scene.environment import Environment
-from ..scene.lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight
+from ..scene.lights import AreaLight, DirectionalLight, PointLight, SingleLight, SpotLight
 from ..simulator.direct import spot_attenuation
 from ..simulator.environment import sampled
 from .files import FileFolder
@@ -21,7 +21,7 @@ WIDEST_SPOT = 0.495 * pi
 """Radians. Mitsuba's spot is a picture thrown through a pyramid, which ends before a half space; 1 degree is lost."""
 
 
-def light(source: Light, number: int, files: FileFolder) -> Description:
+def light(source: SingleLight, number: int, files: FileFolder) -> Description:
     """The emitter, or for an area light the shape, of a light; `number` tells it apart from the others."""
     if isinstance(source, DirectionalLight):
         return {"type": "directional", "direction": _floats(source.direction), "irradiance": rgb(source.illuminance)}

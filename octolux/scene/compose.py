@@ -12,7 +12,7 @@ import numpy as np
 
 from .cameras import Camera, look_at
 from .geometry.triangles import flat, tangents
-from .lights import AreaLight, DirectionalLight, Light, PointLight, Vector
+from .lights import AreaLight, DirectionalLight, Light, ParticleLights, PointLight, Vector
 from .materials import Material
 from .meshes import Mesh
 from .motion.movers import Movers
@@ -193,7 +193,9 @@ def _renumbered(scene: Scene, more: int) -> Scene:
         nodes=[replace(node, parent=moved(node.parent)) for node in scene.nodes],
         skins=[replace(skin, joints=tuple(joint + more for joint in skin.joints)) for skin in scene.skins],
         instances=[replace(i, node=moved(i.node)) for i in scene.instances],
-        lights=[o if isinstance(o, AreaLight) else replace(o, node=moved(o.node)) for o in scene.lights],
+        lights=[
+            o if isinstance(o, AreaLight | ParticleLights) else replace(o, node=moved(o.node)) for o in scene.lights
+        ],
         cameras=[replace(camera, node=moved(camera.node)) for camera in scene.cameras],
         tracks=[replace(track, index=moved(track.index)) for track in scene.tracks],
     )
@@ -214,6 +216,8 @@ def _placed_light(light: Light, matrix: np.ndarray) -> Light:
         return replace(light, direction=_direction(matrix, light.direction))
     if isinstance(light, PointLight):
         return replace(light, position=_point(matrix, light.position))
+    if isinstance(light, ParticleLights):
+        return light.moved(matrix)
     if isinstance(light, AreaLight):
         a, b, c, d = (_point(matrix, corner) for corner in light.corners)
         # A mirrored quadrilateral would shine to its other side.

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from math import pi
 
 from .materials import Color
+from .particles import ParticleLights
 
 Vector = tuple[float, float, float]
 
@@ -56,4 +57,5 @@ class AreaLight:
     name: str = ""
 
 
-Light = DirectionalLight | PointLight | SpotLight | AreaLight
+SingleLight = DirectionalLight | PointLight | SpotLight | AreaLight
+Light = SingleLight | ParticleLights

@@ -6,7 +6,7 @@ from math import cos, pi
 
 import numpy as np
 
-from octolux.scene.lights import AreaLight, DirectionalLight, PointLight, SpotLight
+from octolux.scene.lights import AreaLight, DirectionalLight, ParticleLights, PointLight, SpotLight
 from octolux.simulator import brdf
 from octolux.simulator.solid_angles import polygon_moment
 
@@ -57,9 +57,23 @@ def irradiance(light, positions, normals) -> np.ndarray:
     """Irradiance (..., 3), lx, of any `light` at `positions` (..., 3) with unit `normals` (..., 3), without shadows."""
     if isinstance(light, AreaLight):
         return area_light_irradiance(light, positions, normals)
+    if isinstance(light, ParticleLights):
+        return particles_irradiance(light, positions, normals)
     to_light, illuminance = incident(light, positions)
     cosine = np.maximum(0.0, np.sum(np.asarray(normals, dtype=np.float64) * to_light, axis=-1, keepdims=True))
     return illuminance * cosine
+
+
+def particles_irradiance(light: ParticleLights, positions, normals) -> np.ndarray:
+    """Irradiance (..., 3), lx, of `ParticleLights` at `positions` (..., 3) with unit `normals` (..., 3): the sum of
+    I cos / r^2."""
+    positions, normals = np.broadcast_arrays(*(np.asarray(v, dtype=np.float64) for v in (positions, normals)))
+    result = np.zeros(positions.shape)
+    for index in np.ndindex(positions.shape[:-1]):
+        to_light, distance = _unit(light.positions - positions[index])
+        cosine = np.maximum(0.0, to_light @ normals[index])
+        result[index] = (cosine[:, None] / np.square(distance)).T @ light.intensities
+    return result
 
 
 def lambert_radiance(light, positions, normals, albedo) -> np.ndarray:

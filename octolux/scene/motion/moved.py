@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..cameras import Camera, look_at
-from ..lights import AreaLight, DirectionalLight, Light, PointLight
+from ..lights import AreaLight, DirectionalLight, Light, ParticleLights, PointLight
 from ..meshes import Instance
 from ..nodes import Node
 
@@ -74,7 +74,7 @@ def carried_light(light: Light, world: np.ndarray) -> Light:
 
     Where the transform flattens z, the light keeps its direction.
     """
-    if isinstance(light, AreaLight):
+    if isinstance(light, AreaLight | ParticleLights):
         return light
     changes: dict[str, Any] = {}
     if not isinstance(light, DirectionalLight):

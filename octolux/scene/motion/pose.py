@@ -10,7 +10,7 @@ import numpy as np
 
 from ..cameras import Camera
 from ..errors import OctoluxError
-from ..lights import AreaLight, Light
+from ..lights import AreaLight, Light, ParticleLights
 from ..meshes import Instance, Mesh
 from ..nodes import Node, Skin
 from .deformation import deformed
@@ -116,5 +116,5 @@ def _carried(old: Instance, worlds: np.ndarray, moved: np.ndarray, weights: Mapp
 
 def _following(old: Carried, carry: Callable[[Carried, np.ndarray], Carried], worlds: np.ndarray,
                moved: np.ndarray) -> Carried:
-    node = None if isinstance(old, AreaLight) else old.node
+    node = None if isinstance(old, AreaLight | ParticleLights) else old.node
     return old if node is None or not moved[node] else carry(old, worlds[node])

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight, Vector
 from .fields import Table
+from .particles import load_particles
 
 PLANARITY = 1e-3
 """How far a corner of an area light may lie out of the others' plane, as a share of its size."""
@@ -58,5 +59,5 @@ def _area(table: Table, name: str) -> AreaLight:
 
 
 LIGHTS: dict[str, Callable[[Table, str], Light]] = {
-    "directional": _directional, "point": _point, "spot": _spot, "area": _area,
+    "directional": _directional, "point": _point, "spot": _spot, "area": _area, "particles": load_particles,
 }  # fmt: skip
