@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from .baselines import Constant, NoTechnique
+from .lpv.cascaded.technique import CascadedLpv
 from .lpv.octree.technique import OctreeLpv
 from .lpv.uniform.technique import UniformLpv
 from .path_tracer.technique import PathTracer
 from .settings import SettingsError, suggest
 from .technique import Technique
 
-TECHNIQUES: dict[str, type[Technique]] = {t.name: t for t in (NoTechnique, Constant, UniformLpv, OctreeLpv, PathTracer)}
+TECHNIQUES: dict[str, type[Technique]] = {
+    t.name: t for t in (NoTechnique, Constant, UniformLpv, OctreeLpv, CascadedLpv, PathTracer)
+}
 
 
 def technique_class(name: str) -> type[Technique]:

@@ -13,7 +13,8 @@ from .settings import Settings
 class Technique(ABC):
     """Refreshes its light cache (`update`), then shades: sets `frame.irradiance` and `frame.specular`.
 
-    name: for `--technique`.  summary: one line for people.  needs: shared things it reads ("rsm").
+    name: for `--technique`.  summary: one line for people.
+    needs: shared things it reads: "rsm", and with it "surfaces", the traits of the VPLs' surfaces.
     supports: what it handles ("dynamic geometry", "dynamic lights", "glossy", ...).
     replaces_direct: it makes the whole picture, with direct light and what is seen of the surroundings.
     label: what the labels of its resources begin with; "" where it has none.

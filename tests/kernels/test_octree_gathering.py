@@ -6,18 +6,19 @@ from functools import cache
 
 import numpy as np
 import pytest
-from gpu_tools import one_stage, random_directions, read_buffer
+from gpu_tools import one_stage, random_directions
 from test_lookup import GRID as LOOKUP_GRID
 from test_lookup import WEIGHT_ERROR, gbuffer
 
+from octolux.gpu.records import read_records
 from octolux.simulator import sh
 from octolux.simulator.grid import Grid
 from octolux.simulator.lpv import gathering as reference
 from octolux.simulator.lpv import geometry
 from octolux.simulator.lpv.octree import build_levels, level_sizes
 from octolux.techniques.lpv.constants import pack_grid, storage_scale
+from octolux.techniques.lpv.gathering.gathering import NODE, Gathering
 from octolux.techniques.lpv.levels import Levels
-from octolux.techniques.lpv.octree.gathering import Gathering
 
 N = 16
 GRID = Grid(LOOKUP_GRID.origin, 0.125, N)  # the same box as that of the G-buffer made in test_lookup.py
@@ -87,7 +88,7 @@ def test_nodes(device):
     """Places and dominant lobes of all levels; those of float32 sums of some hundred cells."""
     light, made = scattered_light(1), kernel(device, False, True)
     run(device, made, light)
-    words = read_buffer(device, made.nodes, np.uint32).reshape(-1, 12)[: LEVELS.cells]
+    words = read_records(device, made.nodes, NODE, LEVELS.cells).view(np.uint32).reshape(-1, 12)
     about = words[:, :4].copy().view(np.float32)
     lobes = words[:, 4:10].copy().view(np.float16).reshape(-1, 3, 4) * about[:, 3, None, None].astype(np.float64)
     count = 0

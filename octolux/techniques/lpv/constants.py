@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import pi, sqrt
 from typing import Any
 
 import numpy as np
 
+from ...gpu.bindings import Binding, uniform
 from ...gpu.layout import Struct
 from ...simulator import sh
 from ...simulator.grid import Grid
@@ -29,6 +31,15 @@ MOMENT_FAR, MOMENT_SIDE_TRAVEL, MOMENT_SIDE_NORMAL = float(_FAR[0]), float(_SIDE
 def storage_scale(peak: float) -> float:
     """What W/sr are multiplied by for storage, from the largest injected band-0 coefficient (storage_scale.wgsl)."""
     return float(2.0 ** np.clip(3 - np.floor(np.log2(peak)), -126, 126)) if peak > 0 else 1.0
+
+
+def grids_binding(count: int) -> Binding:
+    """Nested grids, the finest first; one alone is an array as well."""
+    return uniform("grids", f"array<Grid, {count}>")
+
+
+def pack_grids(grids: Sequence[Grid]) -> Any:
+    return np.concatenate([pack_grid(grid).view(np.uint8) for grid in grids]).view(GRID.dtype)
 
 
 def pack_grid(grid: Grid) -> Any:

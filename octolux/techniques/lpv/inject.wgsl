@@ -4,10 +4,12 @@
 // Most neighbours of a map lie in one cell. So a thread walks down {{ run }} VPLs of a column, adds up those of two cells,
 // and scatters both when it meets a third. That is the end of an inner loop, not a branch in it: a software adapter runs
 // a branch for all threads of a vector, taken or not. It also tests at the end of loops, which is cheaper there.
+{% if every %}
+// Threads come in layers, one for each grid.
+{% endif %}
 {{ use("shaders/octahedral.wgsl") }}
 {{ use("shaders/sh.wgsl") }}
-
-const NOWHERE = 0xffffffffu;
+{{ use("techniques/lpv/cell_in_grids.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -25,10 +27,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         loop {
             let vpl = load_vpls(source.first + start + i * source.width);
             let normal = unpack_unit_vector(vpl.normal);
-            let place = vec3i(floor((vpl.position - grid.origin) / grid.cell_size + 0.5 * normal));
-            let inside = all(place >= vec3i(0)) && all(place < vec3i(i32(grid.n)));
-            let used = inside && any(vpl.flux != vec3f(0.0));
-            let cell = u32(place.x) + grid.n * (u32(place.y) + grid.n * u32(place.z));
+            let cell = {{ "cell_of_grid(id.y, " if every else "finest_cell(" }}vpl.position, 0.5 * normal);
+            let used = cell != NOWHERE && any(vpl.flux != vec3f(0.0));
             one = select(one, cell, used && one == NOWHERE);
             other = select(other, cell, used && cell != one && other == NOWHERE);
             if used && cell != one && cell != other { break; }

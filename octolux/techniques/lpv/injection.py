@@ -10,7 +10,7 @@ from ...gpu.bindings import Binding, storage_rw, uniform
 from ...gpu.device import Device
 from ...gpu.passes import ComputePass
 from ...gpu.records import records
-from .constants import GRID, SH_CONSTANTS
+from .constants import GRID, SH_CONSTANTS, grids_binding
 from .sources import SOURCE, VplSource, group_sources
 
 __all__ = ["Injection", "VplSource"]
@@ -32,20 +32,22 @@ def atomic_words(name: str, kind: str) -> Binding:
 class Injection:
     """Adds lights' VPLs to `injected`: vec4f [z][y][x][rgb], W/sr. `peak` holds its largest band-0 coefficient.
 
-    cells: how many `injected` has room for, if more than n^3 (the coarser levels of an octree follow the finest).
+    cells: how many `injected` has room for, if more than those of the grids (coarser levels of an octree follow them).
+    grids: nested ones, the finest first, each of n^3 cells. A VPL goes into the finest that holds it, or into `every`.
     """
 
-    def __init__(self, device: Device, n: int, cells: int | None = None):
+    def __init__(self, device: Device, n: int, cells: int | None = None, *, grids: int = 1, every: bool = False):
         self.device, self.n = device, n
-        self.injected = device.buffer("LPV injected light", size=(cells or n**3) * 48)
+        self._cells, self._layers = grids * n**3, grids if every else 1
+        self.injected = device.buffer("LPV injected light", size=(cells or self._cells) * 48)
         self.peak = device.buffer("LPV peak", size=4)
-        self._sums = device.buffer("LPV fixed-point sums", size=n**3 * 48)
+        self._sums = device.buffer("LPV fixed-point sums", size=self._cells * 48)
         self._sources: list[Any] = []
-        source, grid = uniform("source", SOURCE), uniform("grid", GRID)
+        source = uniform("source", SOURCE)
         self._inject = ComputePass(
             device, "inject", "techniques/lpv/inject.wgsl",
-            [source, grid, records("vpls", VPL), atomic_words("sums", "i32")],
-            structs=[SOURCE, GRID, VPL], workgroup=(64, 1, 1), run=RUN, **SH_CONSTANTS,
+            [source, grids_binding(grids), records("vpls", VPL), atomic_words("sums", "i32")],
+            structs=[SOURCE, GRID, VPL], workgroup=(64, 1, 1), run=RUN, grids=grids, every=every, **SH_CONSTANTS,
         )  # fmt: skip
         self._collect = ComputePass(
             device, "collect", "techniques/lpv/collect.wgsl",
@@ -53,19 +55,19 @@ class Injection:
             structs=[SOURCE], workgroup=(64, 1, 1),
         )  # fmt: skip
 
-    def run(self, stage: Any, grid: Any, vpls: Any, sources: Sequence[VplSource]) -> None:
-        """Inject every source into cleared cells. grid: uniform buffer of GRID."""
-        stage.encoder.clear_buffer(self.injected, 0, self.n**3 * 48)  # coarser levels are written over
+    def run(self, stage: Any, grids: Any, vpls: Any, sources: Sequence[VplSource]) -> None:
+        """Inject every source into cleared cells. grids: uniform buffer of GRID, one for each."""
+        stage.encoder.clear_buffer(self.injected, 0, self._cells * 48)  # coarser levels are written over
         stage.encoder.clear_buffer(self.peak)
         used = 0
         for group in group_sources(sources):
             for packed in group.pack():
                 buffer = self._source_buffer(used, packed)
                 used += 1
-                threads = (walks(int(packed["count"][0]), int(packed["width"][0])),)
-                self._inject.run(stage, threads, source=buffer, grid=grid, vpls=vpls, sums=self._sums)
+                threads = (walks(int(packed["count"][0]), int(packed["width"][0])), self._layers)
+                self._inject.run(stage, threads, source=buffer, grids=grids, vpls=vpls, sums=self._sums)
             self._collect.run(
-                stage, (self.n**3,), source=buffer, sums=self._sums, injected=self.injected, peak=self.peak
+                stage, (self._cells,), source=buffer, sums=self._sums, injected=self.injected, peak=self.peak
             )
 
     def _source_buffer(self, number: int, packed: Any) -> Any:

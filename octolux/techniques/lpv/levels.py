@@ -13,13 +13,14 @@ ROW = 32768 * WORKGROUP  # threads in a row of a dispatch: a dimension has at mo
 
 
 class Levels:
-    """sizes: cells along each side, the finest first.
+    """sizes: cells along each side, the finest first. The first `windows` of them are of one size and show parts of
+    their levels alone, but the last of them, which is whole (simulator/lpv/cascades.py).
 
     cells: of all levels.  stored: the same with a dark border of one cell around each level (cells.wgsl).
     """
 
-    def __init__(self, sizes: Sequence[int]):
-        self.sizes = tuple(sizes)
+    def __init__(self, sizes: Sequence[int], windows: int = 1):
+        self.sizes, self.windows = tuple(sizes), windows
         self.cells = sum(n**3 for n in self.sizes)
         self.stored = sum((n + 2) ** 3 for n in self.sizes)
 

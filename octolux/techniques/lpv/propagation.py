@@ -35,6 +35,22 @@ def block_sources(block: tuple[int, int, int] = BLOCK) -> list[dict[str, Any]]:
     return [{"offset": o, "own": own.get(o), "uses": u} for o, u in sources.items()]
 
 
+def block_faces(block: tuple[int, int, int] = BLOCK) -> dict[str, Any]:
+    """The faces that a block's cells have, each once: its cell, of which it is the lower face across `axis`. And their
+    names by cell, axis and whether it is the upper one."""
+    met: dict[str, dict[str, Any]] = {}
+    names: list[dict[str, list[str]]] = []
+    for cell in itertools.product(*(range(b) for b in block)):
+        names.append({})
+        for axis in range(3):
+            for upper in range(2):
+                at = tuple(c + upper * (k == axis) for k, c in enumerate(cell))
+                name = f"face_{'xyz'[axis]}_{at[0]}{at[1]}{at[2]}"
+                met[name] = {"name": name, "cell": at, "axis": axis}
+                names[-1].setdefault("xyz"[axis], []).append(name)
+    return {"faces_met": list(met.values()), "face_names": names}
+
+
 UNIT = ("1, 0, 0", "0, 1, 0", "0, 0, 1")  # of x, y and z, for templates
 
 
@@ -63,14 +79,14 @@ def steps_of(iterations: int, *, occluded: bool, keeps_last: bool) -> list[Step]
 
 
 class _Faces:
-    """`faces`: vec4f as the stored cells lie, three a cell: what its lower faces let through (faces.wgsl)."""
+    """`faces`: words as the stored cells lie, three a cell: what its lower faces let through (faces.wgsl)."""
 
     def __init__(self, device: Device, levels: Levels):
-        self.faces = device.buffer("LPV faces", size=levels.stored * 48)
+        self.faces = device.buffer("LPV faces", size=levels.stored * 12)
         self._threads = levels.dispatched(beyond=1)
         self._pass = ComputePass(
             device, "faces", "techniques/lpv/faces.wgsl",
-            [storage("shares", "vec4f"), storage_rw("faces", "vec4f", "write")], workgroup=(WORKGROUP, 1, 1),
+            [storage("shares", "vec4f"), storage_rw("faces", "u32", "write")], workgroup=(WORKGROUP, 1, 1),
             levels=levels.described(beyond=1), unit=UNIT, row=ROW, evaluation="", access=[],
         )  # fmt: skip
 
@@ -147,12 +163,12 @@ class Propagation:
                 self._device, "propagate", "techniques/lpv/propagation.wgsl",
                 [*([] if step.first else [storage("cells_in", self.kind)]),
                  *([storage_rw("cells_out", self.kind, "write")] if step.stores else []),
-                 *([storage("faces", "vec4f")] if step.occluded else []), *(sums if step.adds else []),
+                 *([storage("faces", "u32")] if step.occluded else []), *(sums if step.adds else []),
                  *([storage("injected", "vec4f"), storage("peak", "u32")] if step.reads_injected else [])],
                 workgroup=(WORKGROUP, 1, 1), block=BLOCK, first=step.first, adds=step.adds, sources=block_sources(),
                 block_cells=list(itertools.product(*(range(b) for b in BLOCK))),
                 levels=self._travelled.described(BLOCK),
-                access=["load"] * (not step.first) + ["store"] * step.stores, occluded=step.occluded, unit=UNIT,
+                access=["load"] * (not step.first) + ["store"] * step.stores, occluded=step.occluded, **block_faces(),
                 **self._values,
             )  # fmt: skip
         return self._steps[step]

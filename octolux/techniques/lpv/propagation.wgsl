@@ -7,10 +7,11 @@
 // the second. `adds` says how many terms a step adds to the sum: none, two, or three with the injected light.
 
 {{ use("techniques/lpv/cells.wgsl") }}
+{{ use("techniques/lpv/thousandths.wgsl") }}
 
 {% set step = macros("techniques/lpv/receive.wgsl") %}
 {# What the geometry volume lets through the face of cell `key` at the upper or lower end of `axis`, to light along `travel`. #}
-{% macro passing(key, axis, upper, travel) %}{% if occluded %}passes_{{ key }}_{{ axis }}{{ upper|int }}.{{ travel }} * {% endif %}{% endmacro %}
+{% macro passing(key, axis, upper, travel) %}{% if occluded %}{{ face_names[key][axis][upper|int] }}.{{ travel }} * {% endif %}{% endmacro %}
 
 {# What injected light at `offset` counts: nothing outside the volume, where no light is stored. #}
 {% macro scale_at(offset) %}scale{% for k in range(3) if offset[k] < 0 or offset[k] >= block[k] %}_{{ "xyz"[k] }}{{ (offset[k] > 0)|int }}{% endfor %}{% endmacro %}
@@ -48,14 +49,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     {% for cell in block_cells if marks and adds %}
     var largest_{{ loop.index0 }} = 0.0;
     {% endfor %}
-    {% for cell in block_cells if occluded %}
-    {% set key = loop.index0 %}
-    {% for axis in range(3) %}
-    {% for upper in range(2) %}
-    let passes_{{ key }}_{{ "xyz"[axis] }}{{ upper }} = faces[
-        stored_index(level, base + vec3i({{ cell|join(", ") }}){% if upper %} + vec3i({{ unit[axis] }}){% endif %}, 0u) + {{ axis }}u].xyz;
-    {% endfor %}
-    {% endfor %}
+    {% for face in faces_met if occluded %}
+    let {{ face.name }} = unpack_thousandths(faces[stored_index(level, base + vec3i({{ face.cell|join(", ") }}), 0u) + {{ face.axis }}u]);
     {% endfor %}
     for (var channel = 0u; channel < 3u; channel++) {
         {% for cell in block_cells %}

@@ -5,8 +5,17 @@
 // cell. Each surfel is rounded by itself, so the sums have the same bits however the walks are cut.
 
 struct Surfel { position: vec3f, normal: vec3f, area: f32 } // no area: nothing is there
+{{ use("techniques/lpv/cell_in_grids.wgsl") }}
 
-const NOWHERE = 0xffffffffu;
+// One over the cross section of a cell.
+fn per_cross_section(cell: u32) -> f32 {
+    let of_level = cell / (grids[0].n * grids[0].n * grids[0].n);
+    var size = grids[0].cell_size;
+    {% for i in range(1, grids) %}
+    size = select(size, grids[{{ i }}].cell_size, of_level == {{ i }}u);
+    {% endfor %}
+    return 1.0 / (size * size);
+}
 
 // A walk that brings a whole wall closes the cell: more would only come nearer to 2^32.
 fn add_shares(cell: u32, sum: vec3u) {
@@ -24,16 +33,15 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let start = id.x / surfels.width * ({{ run }}u * surfels.width) + id.x % surfels.width;
     if start >= surfels.count { return; }
     let steps = min({{ run }}u, (surfels.count - 1u - start) / surfels.width + 1u);
-    let cross_section = grid.cell_size * grid.cell_size;
     var i = 0u;
     var cell = NOWHERE;
     var sum = vec3u(0u);
     loop {
         let surfel = surfel_at(start + i * surfels.width);
-        let place = vec3i(floor((surfel.position - grid.origin) / grid.cell_size - {{ behind }} * surfel.normal));
-        let used = surfel.area > 0.0 && all(place >= vec3i(0)) && all(place < vec3i(i32(grid.n)));
-        let next = select(cell, u32(place.x) + grid.n * (u32(place.y) + grid.n * u32(place.z)), used);
-        let share = min(vec3f(1.0), abs(surfel.normal) * (surfel.area / cross_section));
+        let held_by = {{ "cell_of_grid(id.y, " if every else "finest_cell(" }}surfel.position, {{ -behind }} * surfel.normal);
+        let used = surfel.area > 0.0 && held_by != NOWHERE;
+        let next = select(cell, held_by, used);
+        let share = min(vec3f(1.0), abs(surfel.normal) * (surfel.area * per_cross_section(held_by)));
         let fixed = select(vec3u(0u), vec3u(round(share * {{ one }}.0)), used);
         if next != cell && cell != NOWHERE { add_shares(cell, sum); }
         sum = select(sum, vec3u(0u), next != cell) + fixed;

@@ -12,11 +12,11 @@ from ....simulator.lpv.octree import level_sizes
 from ...technique import Technique
 from ..constants import GRID, pack_grid
 from ..downsampling import Downsampling
+from ..gathering.gathering import Gathering
 from ..geometry import GeometryVolume
 from ..injection import Injection
 from ..levels import Levels
 from ..volume import scene_grid, vpl_sources
-from .gathering import Gathering
 from .settings import OctreeLpvSettings
 from .sparse import SparseStepping
 from .stepping import Stepping
@@ -79,9 +79,10 @@ class OctreeLpv(Technique):
                 if self.settings.propagation == "gather":
                     self.geometry.pack(stage)
         with profiler.stage("downsampling") as stage:
-            self.downsampling.run(stage, self.injection.injected)
             if self.settings.propagation == "gather":
                 self.gathering.update(stage, self.injection.injected)
+            else:
+                self.downsampling.run(stage, self.injection.injected)
         if self.settings.propagation != "gather":
             shares = [self.geometry.shares] if self.geometry else []
             self.stepping.run(profiler, self.injection.injected, self.injection.peak, *shares)

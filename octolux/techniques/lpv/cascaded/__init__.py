@@ -1,0 +1,1 @@
+"""Cascaded light propagation volumes (Kaplanyan & Dachsbacher 2010)."""

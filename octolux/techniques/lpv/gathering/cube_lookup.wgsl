@@ -1,0 +1,37 @@
+// Irradiance of what the camera sees from the faces of the cells around it (simulator/lpv/gathering.py, `read_cube`), of those
+// that have been filled: others may lie in or behind walls, and would darken every corner.
+{{ use("shaders/view.wgsl") }}
+{{ use("shaders/gbuffer.wgsl") }}
+{{ use("techniques/lpv/storage_scale.wgsl") }}
+{{ use("techniques/lpv/gathering/place.wgsl") }}
+
+fn read_cube(window: u32, seen: SeenPlace) -> vec3f {
+    let place = clamp(place_in(window, seen), vec3f(0.5), vec3f({{ n - 0.5 }})); // windows and faces lie behind one another
+    var irradiance = vec3f(0.0);
+    {% for axis in "xyz" %}
+    {
+        let face = select({{ 2 * loop.index0 + 1 }}.0, {{ 2 * loop.index0 }}.0, seen.normal.{{ axis }} >= 0.0);
+        let at = (place + {{ n }}.0 * vec3f(0.0, f32(window), face)) * vec3f({{ 1 / n }}, {{ 1 / (n * windows) }}, {{ 1 / (6 * n) }});
+        let light = textureSampleLevel(cube, volume_sampler, at, 0.0);
+        irradiance += seen.normal.{{ axis }} * seen.normal.{{ axis }} * light.rgb / max(light.a, {{ least }});
+    }
+    {% endfor %}
+    let cell_size = grids[window].cell_size;
+    return irradiance / (cell_size * cell_size);
+}
+
+@compute @workgroup_size({{ workgroup }})
+fn main(@builtin(global_invocation_id) pixel: vec3u) {
+    if any(pixel.xy >= textureDimensions(depth_map)) { return; }
+    let seen = seen_place(pixel.xy);
+    if !seen.inside {
+        textureStore(irradiance_out, pixel.xy, vec4f(0.0, 0.0, 0.0, 1.0));
+        return;
+    }
+    let reading = finest_reading(seen);
+    var irradiance = read_cube(reading.window, seen);
+    {% if windows > 1 %}
+    irradiance = mix(read_cube(min(reading.window + 1u, {{ windows - 1 }}u), seen), irradiance, reading.share);
+    {% endif %}
+    textureStore(irradiance_out, pixel.xy, vec4f(irradiance * (1.0 / storage_scale(peak[0])), 1.0));
+}

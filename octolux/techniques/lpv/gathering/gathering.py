@@ -1,0 +1,146 @@
+"""Gathering on the device (simulator/lpv/gathering.py): light of the nodes for the cells looked up."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+from ....frame.frame import COPY, STORAGE, TEXTURE, Frame
+from ....frame.structs import VIEW, views_binding
+from ....gpu.bindings import sampler, storage, storage_rw, storage_texture, texture
+from ....gpu.device import Device
+from ....gpu.layout import Struct
+from ....gpu.passes import ComputePass
+from ....gpu.records import record_texture, records, records_out
+from ....simulator.lpv import gathering, geometry
+from ....simulator.lpv.cascades import transition
+from ..constants import GRID, SH_CONSTANTS, grids_binding
+from ..downsampling import Downsampling
+from ..injection import atomic_words
+from ..levels import ROW, Levels
+from ..windows import WINDOW, one_window, windows_binding
+
+_LEAST = 2.0**-10  # the place's own cell is filled and has a weight of 1/8 at least: this only guards the division
+_OPAQUE = 2.0**-12  # what passes less is black: below the steps of a half float
+# place: in cells of level 0.  weight: the light's band 0 over all channels.  The rest: nodes.wgsl.
+NODE = Struct("Node", place="vec3f", weight="f32", red_green="vec4u", blue="vec4u")
+
+
+class Gathering:
+    """`cube` holds irradiance times the square of the cell size, scaled for storage (storage_scale.wgsl), on the six
+    faces of each cell that was asked for: rgba16float, the windows behind one another in y and the faces in z, as
+    transfer.DIRECTIONS are.
+
+    everywhere: all cells are filled, not only those that surfaces are looked up in.
+    """
+
+    def __init__(self, device: Device, levels: Levels, *, occlusion: bool, lookup_offset: float, everywhere: bool):
+        self.device, self.levels, self.n = device, levels, levels.sizes[0]
+        n, cells = self.n, levels.windows * self.n**3
+        self._occlusion, self._everywhere = occlusion, everywhere
+        self.nodes = record_texture(device, "LPV nodes", NODE, levels.cells)
+        self._moments = device.buffer("LPV moments", size=levels.cells * 16)
+        self._kept = {
+            "marks": device.buffer("LPV marked cells", size=cells * 4),
+            "filled": device.buffer("LPV filled cells", size=cells // 8),  # a bit a cell, two words a block of 4^3
+        }
+        self.cube = device.texture(
+            "LPV irradiance cube", (n, levels.windows * n, 6 * n), "rgba16float", usage=TEXTURE | STORAGE | COPY,
+            dimension="3d",
+        )  # fmt: skip
+        self.whole = device.uniform("LPV windows", one_window())
+        self._downsampling = Downsampling(device, levels, per_cell=3), Downsampling(device, levels, per_cell=1)
+        self._sampler = device.wgpu.create_sampler(
+            mag_filter="linear", min_filter="linear", **{f"address_mode_{a}": "clamp-to-edge" for a in "uvw"}
+        )
+        self._make_node_passes()
+        self._make_lookup_passes(lookup_offset)
+
+    def _make_node_passes(self) -> None:
+        n, device, count = self.n, self.device, self.levels.windows
+        light, moments = storage("injected", "vec4f"), storage("moments", "vec4f")
+        windows, values = windows_binding(count), {"n": n, "windows": count, "row": ROW}
+        self._begin = ComputePass(
+            device, "moments", "techniques/lpv/gathering/moments.wgsl",
+            [light, storage_rw("moments", "vec4f", "write"), windows], structs=[WINDOW], workgroup=(4, 4, 4), **values,
+        )  # fmt: skip
+        self._make_nodes = ComputePass(
+            device, "nodes", "techniques/lpv/gathering/nodes.wgsl", [light, moments, records_out("nodes", NODE)],
+            structs=[NODE], workgroup=(64, 1, 1), cells=self.levels.cells, pi=pi, row=ROW, **SH_CONSTANTS,
+        )  # fmt: skip
+        blockers = [storage("geometry", "u32")] if self._occlusion else []
+        used = sum(size >= 4 for size in self.levels.sizes)  # nodes of coarser levels are next to every cell's own
+        self._gather = ComputePass(
+            device, "gather", "techniques/lpv/gathering/gather.wgsl",
+            [records("nodes", NODE), moments, storage("marks", "u32"), storage_rw("filled", "u32"),
+             storage("peak", "u32"), windows, *blockers, storage_texture("cube_out", "rgba16float", "3d")],
+            structs=[NODE, WINDOW], workgroup=(64, 1, 1), levels=used, candidates=512 + 216 * (used - 1),
+            occlusion=self._occlusion, everywhere=self._everywhere, spread=gathering.SPREAD,
+            cone_length=geometry.CONE_LENGTH, left_out=geometry.LEFT_OUT, short=geometry.SHORT, opaque=_OPAQUE,
+            bits=n.bit_length() - 1, **values,
+        )  # fmt: skip
+
+    def _make_lookup_passes(self, lookup_offset: float) -> None:
+        count = self.levels.windows
+        self._clear = ComputePass(
+            self.device, "clear", "techniques/lpv/gathering/clear_cube.wgsl",
+            [storage_texture("cube_out", "rgba16float", "3d")], workgroup=(8, 4, 2),
+        )  # fmt: skip
+        seen = [views_binding(), texture("surface_map", "uint"), texture("depth_map"), grids_binding(count),
+                windows_binding(count)]  # fmt: skip
+        values: dict[str, Any] = {
+            "n": self.n, "windows": count, "lookup_offset": float(lookup_offset), "transition": transition(self.n),
+        }  # fmt: skip
+        self._mark = ComputePass(
+            self.device, "mark", "techniques/lpv/gathering/mark.wgsl", [*seen, atomic_words("marks", "u32")],
+            structs=[VIEW, GRID, WINDOW], **values,
+        )  # fmt: skip
+        self._lookup = ComputePass(
+            self.device, "lookup", "techniques/lpv/gathering/cube_lookup.wgsl",
+            [*seen, storage("peak", "u32"), texture("cube", "float", "3d"), sampler("volume_sampler"),
+             storage_texture("irradiance_out", "rgba32float")],
+            structs=[VIEW, GRID, WINDOW], least=_LEAST, **values,
+        )  # fmt: skip
+
+    def update(self, stage: Any, injected: Any, windows: Any = None) -> None:
+        """Make the nodes, and the coarser levels of `injected`, W/sr, in which each window has what no finer one holds;
+        forget what was gathered from those before. windows: uniform buffer of WINDOW, where there are several."""
+        windows = windows or self.whole
+        for name in ("marks", "filled"):
+            stage.encoder.clear_buffer(self._kept[name])
+        self._clear.run(stage, self.cube.size, cube_out=self.cube)
+        self._begin.run(
+            stage, (self.n, self.n, self.n * self.levels.windows), injected=injected, moments=self._moments,
+            windows=windows,
+        )  # fmt: skip
+        for downsampling, cells in zip(self._downsampling, (injected, self._moments), strict=True):
+            downsampling.run(stage, cells, windows)
+        self._make_nodes.run(
+            stage, self.levels.rows, injected=injected, moments=self._moments, nodes=self.nodes
+        )
+
+    def gather(
+        self, stage: Any, frame: Frame, grids: Any, peak: Any, packed_shares: Any, windows: Any = None
+    ) -> None:
+        """Fill the cells that the frame's pixels look up, if they are not filled yet."""
+        kept, windows = self._kept, windows or self.whole
+        self._mark.run(stage, frame.pixels, **self._seen(frame, grids, windows), marks=kept["marks"])
+        blockers = {"geometry": packed_shares} if self._occlusion else {}
+        cells = Levels([self.n] * self.levels.windows)
+        self._gather.run(
+            stage, cells.rows, nodes=self.nodes, moments=self._moments, **kept, peak=peak, cube_out=self.cube,
+            windows=windows, **blockers,
+        )  # fmt: skip
+
+    def read(self, stage: Any, frame: Frame, grids: Any, peak: Any, irradiance: Any, windows: Any = None) -> None:
+        """Write irradiance of every pixel."""
+        self._lookup.run(
+            stage, frame.pixels, **self._seen(frame, grids, windows or self.whole), peak=peak, cube=self.cube,
+            volume_sampler=self._sampler, irradiance_out=irradiance,
+        )  # fmt: skip
+
+    @staticmethod
+    def _seen(frame: Frame, grids: Any, windows: Any) -> dict[str, Any]:
+        surface, depth = frame.targets.surface, frame.targets.depth
+        return {"views": frame.buffers["views"], "surface_map": surface, "depth_map": depth, "grids": grids,
+                "windows": windows}  # fmt: skip
