@@ -166,7 +166,8 @@ class Renderer:
             self._shadow_maps.run(frame, ids="rsm" in technique.needs)
         if "rsm" in technique.needs:
             if self._rsm is None:
-                self._rsm = RSMPass(self.device, self.gpu_scene, self.frame_settings)
+                with_surfaces = "surfaces" in technique.needs
+                self._rsm = RSMPass(self.device, self.gpu_scene, self.frame_settings, with_surfaces)
             self._rsm.run(frame, self._shadow_maps)
         technique.update(frame)
 

@@ -100,7 +100,8 @@ class Frame:
 
     shadow_maps, coarse_maps: depth arrays.  vpls: texture of VPL (gpu/records.py), set when the technique needs
     RSMs: each light's [layer][row][column], of which vpl_ranges says first and number, and vpl_widths the length of
-    a row.
+    a row.  vpl_surfaces: texture of words (gpu/records.py), the traits of the VPLs' surfaces (traits.py), set when it
+    needs "surfaces".
     irradiance: rgba32float texture a technique writes: irradiance before albedo, and ambient visibility in alpha;
     specular: radiance already weighted by the BRDF. None is black.
     radiance: rgba32float texture of a technique that makes the whole picture: radiance, and coverage in alpha;
@@ -126,6 +127,7 @@ class Frame:
     shadow_maps: Any = None
     coarse_maps: Any = None
     vpls: Any = None
+    vpl_surfaces: Any = None
     vpl_ranges: list[tuple[int, int]] = field(default_factory=list)
     vpl_widths: list[int] = field(default_factory=list)
     irradiance: Any = None

@@ -8,52 +8,60 @@ from ..gpu.bindings import texture, uniform
 from ..gpu.device import Device, DeviceError
 from ..gpu.limits import DEFAULT_LIMITS
 from ..gpu.passes import ComputePass
-from ..gpu.records import record_texture, records_out
+from ..gpu.records import record_texture, records_out, word_texture, words_out
 from ..gpu_scene.gpu_scene import GpuScene
 from ..simulator.rsm import MIN_COSINE
 from .frame import COARSE_BLOCK, Frame, FrameSettings
 from .shader_values import CONSTANTS, surface_values
 from .shadows import ShadowMapPass
 from .structs import LIGHT, RSM_SET, VIEW, VPL, lights_binding, views_binding
+from .traits import TRAIT_VALUES
 
 
 class RSMPass:
     """Takes one texel of each block of the shadow maps and makes it a VPL that reflects what the whole block receives:
     flux = albedo * intensity * solid angle of the block (OLPV 3.3), or albedo * illuminance * its area across a
-    directional light. Its area is the surface that the block covers (simulator/rsm.py)."""
+    directional light. Its area is the surface that the block covers (simulator/rsm.py).
 
-    def __init__(self, device: Device, scene: GpuScene, settings: FrameSettings):
-        self.device = device
+    surfaces: also write the traits of each VPL's surface (traits.py)."""
+
+    def __init__(self, device: Device, scene: GpuScene, settings: FrameSettings, surfaces: bool = False):
+        self.device, self._with_surfaces = device, surfaces
         self._vpls: Any = None
+        self._surfaces: Any = None
         self._room = 0
         stride = settings.shadow_resolution // settings.rsm_resolution
         self._edges = (settings.rsm_resolution, settings.coarse_resolution // COARSE_BLOCK)
         blocks = ((self._edges[0], stride), (self._edges[1], COARSE_BLOCK))
-        self._passes = [self._made(device, scene, edge, block) for edge, block in blocks]
+        self._passes = [self._made(device, scene, edge, block, surfaces) for edge, block in blocks]
         self._sets = [device.uniform("RSM set", RSM_SET.array(1)) for _ in blocks]
 
     @staticmethod
-    def _made(device: Device, scene: GpuScene, resolution: int, stride: int) -> ComputePass:
+    def _made(device: Device, scene: GpuScene, resolution: int, stride: int, surfaces: bool) -> ComputePass:
+        outputs = [records_out("vpls", VPL), *([words_out("surfaces")] if surfaces else [])]
         return ComputePass(
             device, "RSM", "frame/rsm.wgsl",
             [
                 views_binding(), lights_binding(), uniform("maps", RSM_SET),
-                texture("shadow_ids", "uint", "2d-array"), records_out("vpls", VPL),
+                texture("shadow_ids", "uint", "2d-array"), *outputs,
             ],
-            structs=[VIEW, LIGHT, VPL, RSM_SET], shared=scene.bindings, shadows=False,
-            resolution=resolution, stride=stride, min_cosine=MIN_COSINE, **CONSTANTS, **surface_values(scene),
+            structs=[VIEW, LIGHT, VPL, RSM_SET], shared=scene.bindings, shadows=False, surfaces=surfaces,
+            resolution=resolution, stride=stride, min_cosine=MIN_COSINE, **CONSTANTS,
+            **TRAIT_VALUES, **surface_values(scene),
         )  # fmt: skip
 
     def run(self, frame: Frame, shadow_maps: ShadowMapPass) -> None:
-        """Fill `frame.vpls`, and say in `frame.vpl_ranges` and `frame.vpl_widths` where those of each light lie."""
+        """Fill `frame.vpls`, with surfaces `frame.vpl_surfaces`, and say in `frame.vpl_ranges` and `frame.vpl_widths`
+        where those of each light lie."""
         layers = (frame.lights.main_views, len(frame.lights.views) - frame.lights.main_views)
         counts = [n * edge**2 for n, edge in zip(layers, self._edges, strict=True)]
         self._make_room(frame, sum(counts))
-        frame.vpls = self._vpls
+        frame.vpls, frame.vpl_surfaces = self._vpls, self._surfaces
         frame.vpl_ranges, frame.vpl_widths = self._ranges(frame)
         if not any(layers):
             return
         places = ((1, 0), (1 + layers[0], counts[0]))
+        outputs = {"vpls": self._vpls, **({"surfaces": self._surfaces} if self._with_surfaces else {})}
         with frame.profiler.stage("RSM surfaces") as stage:
             for number, maps in enumerate((shadow_maps.main, shadow_maps.coarse)):
                 first_view, first_vpl = places[number]
@@ -64,7 +72,7 @@ class RSMPass:
                     edge = self._edges[number]
                     self._passes[number].run(
                         stage, (edge, edge, layers[number]), frame.gpu_scene.resources, views=frame.buffers["views"],
-                        lights=frame.buffers["lights"], maps=self._sets[number], shadow_ids=maps.ids, vpls=frame.vpls,
+                        lights=frame.buffers["lights"], maps=self._sets[number], shadow_ids=maps.ids, **outputs,
                     )  # fmt: skip
 
     def _make_room(self, frame: Frame, vpls: int) -> None:
@@ -78,6 +86,8 @@ class RSMPass:
             )
         if self._vpls is None or self._room != vpls:
             self._vpls, self._room = record_texture(self.device, "VPLs", VPL, vpls), vpls
+            if self._with_surfaces:
+                self._surfaces = word_texture(self.device, "VPLs' surfaces", vpls)
 
     def _ranges(self, frame: Frame) -> tuple[list[tuple[int, int]], list[int]]:
         """First and number of the VPLs of each light, those of its views behind one another; and how many a row has."""

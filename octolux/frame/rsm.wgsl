@@ -3,6 +3,9 @@
 // the texels of any {{ stride }} x {{ stride }} neighbouring blocks are all different and on average lie in the block's middle.
 {{ use("shaders/surface.wgsl") }}
 {{ use("shaders/lights.wgsl") }}
+{% if surfaces %}
+{{ use("shaders/traits.wgsl") }}
+{% endif %}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -14,6 +17,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let triangle = textureLoad(shadow_ids, texel, layer, 0).x;
     if triangle == 0u {
         store_vpls(index, Vpl(vec3f(0.0), 0u, vec3f(0.0), 0.0));
+        {% if surfaces %}
+        store_surfaces(index, 0u);
+        {% endif %}
         return;
     }
     let view = views[maps.first_view + layer];
@@ -54,4 +60,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let albedo = reflected * (1.0 - metallic);
     let area = footprint / max(abs(along) / secant, {{ min_cosine }});
     store_vpls(index, Vpl(hit.position, pack_unit_vector(facing * hit.normal), albedo * received, area));
+    {% if surfaces %}
+    store_surfaces(index, pack_traits(albedo, load_instances(load_items((triangle - 1u) >> CLUSTER_BITS).instance)));
+    {% endif %}
 }

@@ -1,5 +1,5 @@
-"""Arrays of structs in storage textures: on a software adapter a thread reads 16 bytes there in 0.7 ns, in a storage
-buffer, word by word, in 1.7 ns (two cores, llvmpipe 22.3)."""
+"""Arrays of structs, or of words, in storage textures: on a software adapter a thread reads 16 bytes there in 0.7 ns,
+in a storage buffer, word by word, in 1.7 ns (two cores, llvmpipe 22.3)."""
 
 from __future__ import annotations
 
@@ -12,19 +12,31 @@ from .bindings import Binding
 from .device import Device
 from .layout import Struct
 
-_FORMAT = "rgba32uint"
-_ROW_BITS = 12  # 16-byte words of a row: 8192 rows of them are four times what one buffer binding holds
+_FORMAT, _WORD_FORMAT = "rgba32uint", "r32uint"
+_ROW_BITS = 12  # texels of a row: 8192 rows of 16 bytes are four times what one buffer binding holds
 _PLACE = f"vec2u((%s) & {(1 << _ROW_BITS) - 1}u, (%s) >> {_ROW_BITS}u)"
 
 
-def _binding(name: str, access: str, loader: str) -> Binding:
-    layout = {"storage_texture": {"access": f"{access}-only", "format": _FORMAT, "view_dimension": "2d"}}
-    return Binding(name, f"var {name}: texture_storage_2d<{_FORMAT}, {access}>;", access, layout, loader=loader)
+def _binding(name: str, access: str, loader: str, format: str = _FORMAT) -> Binding:
+    layout = {"storage_texture": {"access": f"{access}-only", "format": format, "view_dimension": "2d"}}
+    return Binding(name, f"var {name}: texture_storage_2d<{format}, {access}>;", access, layout, loader=loader)
 
 
 def _place(kind: Struct, word: int) -> str:
     at = f"{kind.words}u * index + {word}u"
     return _PLACE % (at, at)
+
+
+def words(name: str) -> Binding:
+    """Words that the shader reads with `load_NAME(index) -> u32`."""
+    load = f"textureLoad({name}, {_PLACE % ('index', 'index')}).x"
+    return _binding(name, "read", f"fn load_{name}(index: u32) -> u32 {{ return {load}; }}", _WORD_FORMAT)
+
+
+def words_out(name: str) -> Binding:
+    """The same, that it writes with `store_NAME(index, word)`."""
+    store = f"textureStore({name}, {_PLACE % ('index', 'index')}, vec4u(word, 0u, 0u, 0u));"
+    return _binding(name, "write", f"fn store_{name}(index: u32, word: u32) {{ {store} }}", _WORD_FORMAT)
 
 
 def records(name: str, kind: Struct) -> Binding:
@@ -42,14 +54,23 @@ def records_out(name: str, kind: Struct) -> Binding:
 
 def record_texture(device: Device, label: str, kind: Struct, count: int, data: np.ndarray | None = None) -> Any:
     """Room for `count` structs, or more, of zeros or beginning with `data` (kind.dtype, 1D)."""
-    words = max(1, count) * kind.words
-    rows = -(-words // (1 << _ROW_BITS))
+    return _texture(device, label, _FORMAT, count * kind.words, data)
+
+
+def word_texture(device: Device, label: str, count: int, data: np.ndarray | None = None) -> Any:
+    """Room for `count` words, or more, of zeros or beginning with `data` (uint32, 1D)."""
+    return _texture(device, label, _WORD_FORMAT, count, data)
+
+
+def _texture(device: Device, label: str, format: str, texels: int, data: np.ndarray | None) -> Any:
+    rows = -(-max(1, texels) // (1 << _ROW_BITS))
     usage = wgpu.TextureUsage.STORAGE_BINDING | wgpu.TextureUsage.COPY_DST | wgpu.TextureUsage.COPY_SRC
-    made = device.texture(label, (1 << _ROW_BITS, rows), _FORMAT, usage=usage)
+    made = device.texture(label, (1 << _ROW_BITS, rows), format, usage=usage)
     if data is not None:
-        padded = np.zeros(rows << _ROW_BITS + 4, np.uint8)
+        row_bytes = (16 if format == _FORMAT else 4) << _ROW_BITS
+        padded = np.zeros(rows * row_bytes, np.uint8)
         padded[: data.nbytes] = data.view(np.uint8)
-        layout = {"bytes_per_row": 16 << _ROW_BITS, "rows_per_image": rows}
+        layout = {"bytes_per_row": row_bytes, "rows_per_image": rows}
         device.queue.write_texture({"texture": made}, padded, layout, made.size)
     return made
 
@@ -57,3 +78,8 @@ def record_texture(device: Device, label: str, kind: Struct, count: int, data: n
 def read_records(device: Device, texture: Any, kind: Struct, count: int) -> np.ndarray:
     """The first `count` structs (kind.dtype)."""
     return device.read_texture(texture, np.uint32, 4).reshape(-1)[: count * kind.size // 4].view(kind.dtype)
+
+
+def read_words(device: Device, texture: Any, count: int) -> np.ndarray:
+    """The first `count` words, uint32."""
+    return device.read_texture(texture, np.uint32, 1).reshape(-1)[:count]

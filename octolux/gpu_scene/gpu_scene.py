@@ -49,8 +49,10 @@ class GpuScene:
         moved = self._instances is None or not _same(instances, self._instances)
         if materials_changed or meshes_changed or moved:
             self.moves += 1
-            self._placed.sync(scene.instances, self.geometry.slots, self.materials)
+            self._placed.sync(scene, self.geometry.slots, self.materials)
             self._instances = instances
+        else:
+            self._placed.wait()
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
@@ -61,6 +63,11 @@ class GpuScene:
     def drawn(self) -> Drawn:
         """What the numbers in the visibility buffer mean at present."""
         return self._placed.drawn
+
+    @property
+    def static_version(self) -> int:
+        """Grows when something static began to move, appeared, vanished or got another material (history.py)."""
+        return self._placed.history.static_version
 
     @property
     def has_emission(self) -> bool:

@@ -10,8 +10,10 @@ import numpy as np
 
 from ..gpu.device import Device
 from ..scene.meshes import Instance
+from ..scene.scene import Scene
 from .clusters import visible, world_boxes
 from .geometry import Slot
+from .history import InstanceHistory
 from .materials import MaterialTable
 from .structs import INSTANCE, ITEM
 
@@ -43,27 +45,36 @@ class Drawn:
 
 
 class InstanceTable:
-    """Buffers `instances` and `items`; boxes of the items for culling."""
+    """Buffers `instances` and `items`; boxes of the items for culling; and `history`, which tells what moves."""
 
     def __init__(self, device: Device):
         self.device = device
         self.drawn: Drawn
         self.bounds = (np.zeros(3), np.zeros(3))
+        self.history = InstanceHistory()
         self._rows: np.ndarray = INSTANCE.array(0)
         self._item_rows: np.ndarray = ITEM.array(0)
         self.instances: Any = None
         self.items: Any = None
 
-    def sync(self, instances: Sequence[Instance], slots: Sequence[Slot | None], table: MaterialTable) -> None:
+    def wait(self) -> None:
+        """A sync that brings no change: but what has moved comes to rest some time."""
+        self.history.wait()
+        moving = self.history.moving
+        if (self._rows["moving"][: len(moving)] != moving).any():
+            rows = self._rows.copy()
+            rows["moving"][: len(moving)] = moving
+            self._upload(rows, self._item_rows)
+
+    def sync(self, scene: Scene, slots: Sequence[Slot | None], table: MaterialTable) -> None:
         """Upload rows that differ from what is there."""
-        self.drawn = drawn = Drawn.of(instances, slots)
+        self.drawn = drawn = Drawn.of(scene.instances, slots)
         transforms = np.array([i.transform for i in drawn.instances]).reshape(-1, 4, 4)
         materials = np.array([s.mesh.material for s in drawn.slots], dtype=np.int64)
+        self.history.see(drawn, transforms, scene.materials)
         rows = INSTANCE.array(max(1, len(transforms)))
         items = ITEM.array(max(1, len(drawn.item_instance)))
         if len(transforms):
-            rows["row0"], rows["row1"], rows["row2"] = transforms[:, 0], transforms[:, 1], transforms[:, 2]
-            rows["material"], rows["flipped"] = materials, np.linalg.det(transforms[:, :3, :3]) < 0
             owner = drawn.item_instance
             items["instance"] = owner
             first = np.array([s.first_triangle for s in drawn.slots])
@@ -76,10 +87,23 @@ class InstanceTable:
             self._buckets = table.bucket[materials][owner] if has_materials else np.zeros(len(owner), np.int64)
             self._glowing = table.glowing[materials][owner] if has_materials else np.zeros(len(owner), bool)
             self.bounds = (self._low.min(axis=0), self._high.max(axis=0))
+            rows["row0"], rows["row1"], rows["row2"] = transforms[:, 0], transforms[:, 1], transforms[:, 2]
+            rows["material"], rows["flipped"] = materials, np.linalg.det(transforms[:, :3, :3]) < 0
+            rows["size"], rows["moving"] = self._sizes(owner), self.history.moving
         else:
             self._low = self._high = np.zeros((0, 3))
             self._buckets, self._glowing = np.zeros(0, np.int64), np.zeros(0, bool)
             self.bounds = (np.zeros(3), np.zeros(3))
+        self._upload(rows, items)
+
+    def _sizes(self, owner: np.ndarray) -> np.ndarray:
+        """float64 (drawn instances,), m: the longest edge of the box around an instance's clusters as they are posed.
+        Each has at least one, and they stand together."""
+        starts = np.flatnonzero(np.diff(owner.astype(np.int64), prepend=-1))
+        low, high = np.minimum.reduceat(self._low, starts), np.maximum.reduceat(self._high, starts)
+        return (high - low).max(axis=1)
+
+    def _upload(self, rows: np.ndarray, items: np.ndarray) -> None:
         self.instances = self._brought(self.instances, "instances", self._rows, rows)
         self.items = self._brought(self.items, "items", self._item_rows, items)
         self._rows, self._item_rows = rows, items

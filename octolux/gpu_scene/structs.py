@@ -5,8 +5,11 @@ from ..gpu.layout import Struct
 # Unit vectors are octahedral, 2 x 16 bits (shaders/octahedral.wgsl); the tangent's lowest bit is its sign.
 # Vertex colours are 4 x 8 bits, the square roots of the linear values (gpu_scene/packing.py).
 VERTEX = Struct("Vertex", position="vec3f", normal="u32", uv="vec2f", tangent="u32", color="u32")
-# Rows of the object-to-world matrix; `flipped` is 1 where it mirrors, so that the winding turns round.
-INSTANCE = Struct("Instance", row0="vec4f", row1="vec4f", row2="vec4f", material="u32", flipped="u32")
+# Rows of the object-to-world matrix; `flipped` is 1 where it mirrors, so that the winding turns round. size: longest
+# edge of its box in the world, m. moving: 1 where it is not static (gpu_scene/history.py).
+INSTANCE = Struct(
+    "Instance", row0="vec4f", row1="vec4f", row2="vec4f", material="u32", flipped="u32", size="f32", moving="u32",
+)  # fmt: skip
 # Corners of a triangle: numbers of vertices.
 TRIANGLE = Struct("Triangle", a="u32", b="u32", c="u32", padding="u32")
 # A cluster of one instance: the unit that is culled and drawn.

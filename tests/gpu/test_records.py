@@ -8,7 +8,16 @@ from gpu_tools import one_stage
 
 from octolux.gpu.layout import Struct
 from octolux.gpu.passes import ComputePass
-from octolux.gpu.records import read_records, record_texture, records, records_out
+from octolux.gpu.records import (
+    read_records,
+    read_words,
+    record_texture,
+    records,
+    records_out,
+    word_texture,
+    words,
+    words_out,
+)
 
 RECORD = Struct("Record", place="vec3f", number="u32", pair="vec2u", offset="i32", weight="f32", colour="vec4f")
 # Members of a record are told apart: each comes back changed in its own way.
@@ -44,6 +53,26 @@ def test_round_trip(device, tmp_path, count):
                "offset": -data["offset"], "weight": 2.0 * data["weight"], "colour": data["colour"]}  # fmt: skip
     for name, expected in changes.items():
         np.testing.assert_array_equal(found[name], expected, err_msg=name)
+
+
+WORDS = """
+@compute @workgroup_size({{ workgroup }})
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if id.x < {{ count }}u { store_made({{ count - 1 }}u - id.x, load_given(id.x) ^ 0xffffu); }
+}
+"""
+
+
+@pytest.mark.parametrize("count", [1, 4096, 9000])  # a row holds 4096
+def test_words_round_trip(device, tmp_path, count):
+    data = np.random.default_rng(2).integers(0, 2**32, count, dtype=np.uint32)
+    (tmp_path / "k.wgsl").write_text(WORDS)
+    kernel = ComputePass(device, "words", str(tmp_path / "k.wgsl"), [words("given"), words_out("made")],
+                         workgroup=(64, 1, 1), count=count)  # fmt: skip
+    given, made = word_texture(device, "given", count, data), word_texture(device, "made", count)
+    with one_stage(device) as stage:
+        kernel.run(stage, (count,), given=given, made=made)
+    np.testing.assert_array_equal(read_words(device, made, count)[::-1], data ^ 0xFFFF)
 
 
 def test_a_struct_that_does_not_fill_words_is_refused():
