@@ -29,7 +29,7 @@ from .scene.daylight import sky, sun
 from .scene.default_camera import chosen_camera
 from .scene.errors import OctoluxError
 from .scene.exposure import display_exposure
-from .scene.lights import AreaLight, Light
+from .scene.lights import AreaLight, Light, ParticleLights
 from .scene.scene import Scene
 from .simulator.tonemap import TONE_MAPS, exposure_factor
 from .techniques import technique_class
@@ -110,6 +110,9 @@ class Renderer:
             notes.append("nothing in the scene shines: the sun and the sky of a clear day light it")
         if not self.scene.triangle_count:
             notes.append("the scene holds no triangles: only its surroundings are seen")
+        particles = sum(len(light.positions) for light in self.scene.lights if isinstance(light, ParticleLights))
+        if particles and "particles" not in self.technique.supports:
+            notes.append(f"{particles:,} particle lights are left out: {self.technique.name} takes none")
         return notes
 
     def render(self, camera: str | int | Camera | None = None) -> Picture:

@@ -14,7 +14,7 @@ from octolux.scene.builtin.shapes import box, quad
 from octolux.scene.cameras import Camera
 from octolux.scene.daylight import sun as sun_light
 from octolux.scene.daylight import to_sun
-from octolux.scene.lights import DirectionalLight, PointLight, SpotLight
+from octolux.scene.lights import DirectionalLight, ParticleLights, PointLight, SpotLight
 from octolux.scene.load import load_scene
 from octolux.scene.materials import Material
 from octolux.scene.meshes import Instance, Mesh
@@ -178,3 +178,11 @@ def test_pictures_larger_than_a_buffer_are_read_in_strips(device):
     device.queue.submit([encoder.finish()])
     read = device.read_texture(texture, np.float32, 4)
     assert read.shape == (4200, 4200, 4) and (read == (1, 2, 3, 4)).all()
+
+
+def test_techniques_without_particle_lights_say_so(device):
+    lights = [ParticleLights(positions=np.zeros((2000, 3)), intensities=(1, 1, 1))]
+    renderer = Renderer(scene_of([quad(WALL)], lights=lights), "uniform-lpv", size=(8, 8), device=device)
+    assert renderer.warnings == ["2,000 particle lights are left out: uniform-lpv takes none"]
+    assert not renderer.render(front_camera()).radiance.any()
+    assert Renderer(renderer.scene, "path-tracer", size=(8, 8), device=device).warnings == []

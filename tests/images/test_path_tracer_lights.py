@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from math import cos, pi, sin
 
@@ -23,7 +24,7 @@ from path_tracing import (
 from octolux.scene.builtin.shapes import merge, quad, quads
 from octolux.scene.cameras import Camera
 from octolux.scene.environment import Environment
-from octolux.scene.lights import AreaLight, DirectionalLight, PointLight, SpotLight
+from octolux.scene.lights import AreaLight, DirectionalLight, ParticleLights, PointLight, SpotLight
 from octolux.scene.materials import Image, Material, Texture
 from octolux.scene.meshes import Instance
 from octolux.simulator import brdf, direct
@@ -246,3 +247,44 @@ def test_polished_metal_under_an_area_light(trace):
     for row, column in np.argwhere(where):
         found, expected = luminance(picture.radiance[row, column]), luminance(shown[row, column])
         assert abs(found - expected) <= 5 * picture.noise[row, column] + 0.01 * expected
+
+
+def cloud(count: int, low=(-1.5, 1.0, -1.5), high=(1.5, 3.0, 1.5)) -> ParticleLights:
+    """Particles of many colours and strengths in a box."""
+    rng = np.random.default_rng(9)
+    return ParticleLights(
+        positions=rng.uniform(low, high, (count, 3)), intensities=rng.uniform(0, 1, (count, 3)) ** 4 * 40.0 / count
+    )
+
+
+def test_a_cloud_of_particles(trace):
+    """Each sample asks one of 10,000: the mean is the sum of I cos / r^2 over all. Two groups are one cloud."""
+    half = cloud(5000)
+    other = ParticleLights(positions=half.positions * [1.0, 1.2, 1.0], intensities=half.intensities[::-1])
+    picture = trace(floor_scene(lights=[half, other]), pixel="centre", paths="direct", samples=256)
+    assert_picture(picture, lit_floor(picture, half) + lit_floor(picture, other))
+
+
+def test_particles_beside_lamps_area_lights_and_sky(trace):
+    group, lamp = cloud(300), LAMPS["point"]
+    scene = floor_scene(lights=[lamp, AREA, group], environment=Environment((2.0, 2.0, 2.0)))
+    picture = trace(scene, pixel="centre", paths="direct", samples=256)
+    expected = lit_floor(picture, lamp) + lit_floor(picture, AREA) + lit_floor(picture, group) + ALBEDO * 2.0
+    assert_picture(picture, expected)
+
+
+def test_particles_below_the_floor_or_behind_a_roof_light_nothing(trace):
+    below = cloud(100, (-1.0, -2.0, -1.0), (1.0, -0.1, 1.0))
+    above = cloud(100, (-0.2, 1.0, -0.2), (0.2, 1.4, 0.2))
+    roof = ceiling(4.0, y=0.8)
+    scene = floor_scene(roof, lights=[below, above])
+    under = Camera.look_at((0.0, 0.7, 0.0), (0.0, 0.0, 0.0), up=(0.0, 0.0, -1.0), orthographic_height=1.0)
+    assert not trace(scene, under, paths="direct").radiance.any()
+
+
+def test_particles_may_be_replaced_between_pictures(trace):
+    first, second = cloud(10), ParticleLights(positions=[[0.0, 2.0, 0.0]], intensities=(1.0, 2.0, 3.0))
+    for group in (first, second, cloud(20)):
+        picture = trace(floor_scene(lights=[group]), pixel="centre", paths="direct", samples=64)
+        assert_picture(picture, lit_floor(picture, group))
+    assert not trace(floor_scene(lights=[replace(second, intensities=np.zeros(3))]), paths="direct").radiance.any()

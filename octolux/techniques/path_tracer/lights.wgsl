@@ -1,5 +1,5 @@
 // Light that reaches a vertex of a path straight from what shines: one shadow ray to a lamp, one to a glowing triangle or area
-// light, one to the surroundings; and the other half of multiple importance sampling, what a reflected ray meets.
+// light, one to the surroundings, one to a particle light; and the other half of multiple importance sampling, what a reflected ray meets.
 
 fn balance(own: f32, other: f32) -> f32 { return own / (own + other); }
 
@@ -180,6 +180,26 @@ fn sky_at(p: Vertex_, choice: vec2f, u: vec2f, seed: u32) -> vec3f {
 }
 {% endif %}
 
+{% if particles %}
+// One of the particle lights, chosen by intensity through an alias table (Walker 1977): by a number below their count, and by
+// whether it or its alias. No reflected ray meets a point, so that nothing is weighed against it.
+fn particles_at(p: Vertex_, choice: vec2f, seed: u32) -> vec3f {
+    var chosen = min(u32(choice.x * f32(settings.particles)), settings.particles - 1u);
+    let first = load_particles(chosen);
+    if choice.y >= first.keep { chosen = first.instead; }
+    let particle = load_particles(chosen);
+    let to_light = particle.position - p.position;
+    let square = dot(to_light, to_light);
+    if square <= 0.0 { return vec3f(0.0); }
+    let distance = sqrt(square);
+    let l = to_light / distance;
+    let reflected = reflection(p.surface, p.to_eye, l) * particle.intensity / square;
+    if max(reflected.r, max(reflected.g, reflected.b)) <= 0.0 { return vec3f(0.0); }
+    if !visible_between(p, l, distance * (1.0 - 1e-5), seed) { return vec3f(0.0); }
+    return reflected / (dot(particle.intensity, {{ luminance }}) * settings.inverse_particles);
+}
+{% endif %}
+
 fn sky_weight(direction: vec3f, sampled: f32) -> f32 {
     {% if sky %}
     return balance(sampled, sky_cell_density(direction));
@@ -202,6 +222,9 @@ fn light_at(p: Vertex_, random: ptr<function, Sampler>, seed: u32) -> vec3f {
     {% if sky %}
     let where_ = next_2d(random);
     radiance += sky_at(p, next_2d(random), where_, seed ^ 0x967a889bu);
+    {% endif %}
+    {% if particles %}
+    radiance += particles_at(p, next_2d(random), seed ^ 0x5d1c3a27u);
     {% endif %}
     return radiance;
 }

@@ -20,11 +20,13 @@ from ...raytracing.bvh import Bvh
 from ...simulator.environment import LUMINANCE
 from ..technique import Technique
 from .emitters import EMITTER, EmitterList, emitter_list, sky_table
+from .particles import PARTICLE, ParticleTable
 from .settings import PathTracerSettings
 
 PATHS = Struct(
     "PathSettings", tile_origin="vec2u", tile_size="vec2u", first_sample="u32", samples="u32", seed="u32",
     emitters="u32", near="f32", inverse_emission="f32", inverse_sky="f32", exposure="f32", fresh="u32",
+    particles="u32", inverse_particles="f32",
 )  # fmt: skip
 RESOLVE = Struct("ResolveSettings", count="f32")
 
@@ -43,8 +45,9 @@ class PathTracer(Technique):
     label = "path tracer"
     needs = frozenset({"bvh", "surroundings"})
     supports = frozenset(
-        {"dynamic geometry", "dynamic lights", "diffuse", "glossy", "area lights", "emission", "sky", "many bounces"}
-    )
+        {"dynamic geometry", "dynamic lights", "diffuse", "glossy", "area lights", "emission", "sky", "particles",
+         "many bounces"}
+    )  # fmt: skip
     replaces_direct = True
     settings: PathTracerSettings
 
@@ -61,6 +64,7 @@ class PathTracer(Technique):
         self._emitters_key: tuple = ()
         self._emitters: EmitterList
         self._emitter_buffer: Any = None
+        self._particles = ParticleTable(device)
         self._paths_per_dispatch = 1 << 14
         self.samples_taken = 0
         self._resolve = ComputePass(
@@ -88,6 +92,7 @@ class PathTracer(Technique):
         with frame.profiler.stage("BVH") as stage:
             self.bvh.sync(frame.gpu_scene, stage)
         self._sync_emitters(frame)
+        self._particles.sync(frame.scene)
         environment = frame.scene.environment
         if self._sky_of is not environment:
             dark = np.zeros((1, 1, 4), np.float32), 0.0
@@ -155,8 +160,8 @@ class PathTracer(Technique):
                 trace.run(
                     stage, (width, rows), frame.gpu_scene.resources, settings=self._uniform,
                     views=frame.buffers["views"], lights=frame.buffers["lights"], bvh=self.bvh.texture,
-                    emitters=self._emitter_buffer, sky_table=self._sky, **frame.surroundings_map.resources, **ins,
-                    **outs,
+                    emitters=self._emitter_buffer, particles=self._particles.buffer, sky_table=self._sky,
+                    **frame.surroundings_map.resources, **ins, **outs,
                 )  # fmt: skip
             frame.profiler.submit()
             self.device.wait()
@@ -178,7 +183,7 @@ class PathTracer(Technique):
             tile_origin=origin, tile_size=size, first_sample=self.samples_taken, samples=1, seed=self.settings.seed,
             emitters=len(self._emitters.rows) if emission else 0, near=frame.views[0].near,
             inverse_emission=1.0 / emission if emission else 0.0, inverse_sky=1.0 / sky if sky else 0.0,
-            exposure=frame.exposure_factor, fresh=self.samples_taken == 0,
+            exposure=frame.exposure_factor, fresh=self.samples_taken == 0, **self._particles.settings,
         ))  # fmt: skip
 
     def _write_means(self, frame: Frame) -> None:
@@ -203,7 +208,8 @@ class PathTracer(Technique):
         values = {
             "directional": directional, "spots": spots, "lamps": directional + spots + points,
             "emitters": bool(self._emitters.power), "area_lights": self._emitters.area_lights,
-            "sky": int(self._sky_power > 0), "paths": self.settings.paths, "bounces": self._bounces(),
+            "sky": int(self._sky_power > 0), "particles": bool(self._particles.power),
+            "paths": self.settings.paths, "bounces": self._bounces(),
             "diffuse_only": self.settings.materials == "diffuse", "centre": self.settings.pixel == "centre",
             "transparent": frame.transparent,
         }  # fmt: skip
@@ -224,13 +230,14 @@ class PathTracer(Technique):
             self.device, "path tracer", "techniques/path_tracer/trace.wgsl",
             [
                 uniform("settings", PATHS), views_binding(), lights_binding(), self.bvh.binding,
-                storage_words("emitters", EMITTER), *(texture(name) for name in names),
+                storage_words("emitters", EMITTER), storage_words("particles", PARTICLE),
+                *(texture(name) for name in names),
                 *(storage_texture(f"{name}_out", "rgba32float") for name in _SUMS), *SurroundingsMap.bindings(),
             ],
             # Neighbouring threads are 4 x 2 pixels: their rays stay together longer than those of a row.
-            structs=[PATHS, VIEW, LIGHT, EMITTER, ENVIRONMENT], workgroup=(4, 16, 1), shared=frame.gpu_scene.bindings,
-            shadows=False, luminance=_LUMINANCE, **values, **self.bvh.values, **CONSTANTS,
-            **surface_values(frame.gpu_scene),
+            structs=[PATHS, VIEW, LIGHT, EMITTER, PARTICLE, ENVIRONMENT], workgroup=(4, 16, 1),
+            shared=frame.gpu_scene.bindings, shadows=False, luminance=_LUMINANCE, **values, **self.bvh.values,
+            **CONSTANTS, **surface_values(frame.gpu_scene),
         )  # fmt: skip
 
     def memory(self) -> dict[str, int]:
