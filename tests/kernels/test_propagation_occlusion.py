@@ -6,10 +6,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from gpu_tools import largest_cell_error
+from gpu_tools import largest_cell_error, read_buffer
 from test_propagation import BOUNDS, random_light, run
 
-from octolux.simulator.lpv import geometry
+from octolux.simulator.lpv import formats, geometry
 from octolux.simulator.lpv import propagation as reference
 from octolux.simulator.lpv.octree import build_levels
 from octolux.techniques.lpv.propagation import Propagation
@@ -30,29 +30,47 @@ def packed(levels: list[np.ndarray]) -> np.ndarray:
     return np.concatenate([flat, np.zeros((len(flat), 1))], axis=1).astype(np.float32)
 
 
+def stored_faces(device, made: Propagation, level: int = 0) -> np.ndarray:
+    """What the device's faces let through, as `geometry.face_transmittance` has it: the lower faces of all cells, and
+    of one more along each axis, without the dark border before them."""
+    sizes = made.levels.sizes
+    words = read_buffer(device, made.blockers["faces"], np.uint32)
+    n, first = sizes[level], 3 * sum((m + 2) ** 3 for m in sizes[:level])
+    words = words[first : first + 3 * (n + 2) ** 3].reshape((n + 2,) * 3 + (3,))
+    return formats.unpack_thousandths(words[1:, 1:, 1:])
+
+
+@pytest.mark.parametrize("n", [1, 4, N])
+def test_faces_are_rounded_to_thousandths(device, n):
+    """To the nearest of 1023 steps, but where float32 rounds to the other side of the middle between two."""
+    shares = np.random.default_rng(n).uniform(0.0, 1.2, (n, n, n, 3)).clip(max=1.0).astype(np.float32)
+    made = kernel(device, (N, n))
+    light = np.concatenate([random_light(k).reshape(-1, 3, 4) for k in (N, n)])
+    run(device, made, light, 2, device.buffer("shares", packed([np.zeros((N, N, N, 3)), shares])))
+    steps = (stored_faces(device, made, 1) - geometry.face_transmittance(shares)) * formats.STEPS
+    assert np.abs(steps).max() <= 0.5 + formats.STEPS * 2.0**-21  # some eight roundings in float32, of 1 at most
+    np.testing.assert_array_equal(stored_faces(device, made, 0), 1.0)
+
+
 @pytest.mark.parametrize("iterations", [1, 2, 5])
 def test_random_blockers(device, iterations):
     light, shares = random_light(N, seed=7), np.random.default_rng(8).uniform(0.0, 1.2, (N, N, N, 3)).clip(max=1.0)
-    blockers = device.buffer("shares", packed([shares]))
-    found = run(device, kernel(device, (N,)), light, iterations, blockers)
-    faces = geometry.face_transmittance(shares.astype(np.float32))
-    expected = reference.propagate(light, iterations, 1.0, "dominant_lobe", "travel", faces)
+    blockers, made = device.buffer("shares", packed([shares])), kernel(device, (N,))
+    found = run(device, made, light, iterations, blockers)
+    expected = reference.propagate(light, iterations, 1.0, "dominant_lobe", "travel", stored_faces(device, made))
     assert largest_cell_error(found, expected) <= BOUNDS["f32"]
 
 
 def test_every_level_has_its_own_blockers(device):
     levels = build_levels(random_light(N, seed=9))[:3]
     shares = geometry.geometry_levels(np.random.default_rng(10).uniform(0.0, 1.0, (N, N, N, 3)))[:3]
-    blockers = device.buffer("shares", packed(shares))
+    blockers, made = device.buffer("shares", packed(shares)), kernel(device, (N, N // 2, N // 4))
     light = np.concatenate([level.reshape(-1, 3, 4) for level in levels]).astype(np.float32)
-    found = run(device, kernel(device, (N, N // 2, N // 4)), light, 3, blockers)
-    first = 0
-    for level, blocked in zip(levels, shares, strict=True):
-        n = level.shape[0]
-        faces = geometry.face_transmittance(blocked.astype(np.float32))
+    found = run(device, made, light, 3, blockers)
+    for number, (level, cells) in enumerate(zip(levels, made.levels.split(found), strict=True)):
+        faces = stored_faces(device, made, number)
         expected = reference.propagate(level.astype(np.float32), 3, 1.0, "dominant_lobe", "travel", faces)
-        assert largest_cell_error(found[first : first + n**3].reshape(expected.shape), expected) <= BOUNDS["f32"]
-        first += n**3
+        assert largest_cell_error(cells, expected) <= BOUNDS["f32"]
 
 
 def test_what_the_faces_at_a_wall_let_through():

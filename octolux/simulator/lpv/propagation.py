@@ -31,7 +31,7 @@ from math import pi
 import numpy as np
 
 from octolux.simulator import sh as harmonics
-from octolux.simulator.lpv import transfer
+from octolux.simulator.lpv import bounces, transfer
 
 EVALUATIONS = ("clamped", "signed", "dominant_lobe")
 REPROJECTIONS = ("face", "travel")
@@ -86,49 +86,45 @@ def shifted(cells: np.ndarray, direction: np.ndarray) -> np.ndarray:
 
 
 def step(
-    sh, gain: float = 1.0, evaluation: str = "clamped", reprojection: str = "face", faces: np.ndarray | None = None
-) -> np.ndarray:
+    sh, gain: float = 1.0, evaluation: str = "clamped", reprojection: str = "face", faces: np.ndarray | None = None,
+    reflectance: np.ndarray | None = None,
+) -> np.ndarray:  # fmt: skip
     """One propagation step: S_(i-1) to S_i, both float64 [z][y][x][rgb][4].
 
     `gain` multiplies all flux; `evaluation` and `reprojection` as described at the top of this module.
     faces: what the cells' faces let through (geometry.face_transmittance), all where None.
+    reflectance: with faces, the share that they reflect of what they block (bounces.cell_reflectance), none where None.
     Raises ValueError on an unknown name.
     """
     lobes = reprojection_lobes(reprojection)
     flux = gain * face_flux(sh, evaluation)
-    result = np.zeros(np.shape(sh))
-    for travel, direction in enumerate(transfer.DIRECTIONS):
-        received = shifted(flux[..., travel, :], direction)
-        if faces is not None:
-            received *= _passing(faces, travel)[..., None, :]
-        result += received @ lobes[travel]
+    arrived = np.stack([shifted(flux[..., t, :], d) for t, d in enumerate(transfer.DIRECTIONS)], axis=-2)
+    passed = arrived if faces is None else arrived * _passing(faces)[..., None, :, :]
+    result = np.einsum("zyxctf,tfk->zyxck", passed, lobes)
+    if faces is not None and reflectance is not None:
+        result += bounces.reflected(arrived, faces, reflectance)
     return result
 
 
-def _passing(faces: np.ndarray, travel: int) -> np.ndarray:
-    """What each cell's faces, in the order of `transfer.FACES[travel]`, let through: [z][y][x][5]."""
-    n = faces.shape[0] - 1
-    passed = []
-    for face in transfer.FACES[travel]:
-        axis, upper = int(face) // 2, int(face) % 2 == 0  # DIRECTIONS: +x -x +y ...
-        x, y, z = (slice(int(upper and a == axis), n + int(upper and a == axis)) for a in range(3))
-        passed.append(faces[z, y, x, axis, travel // 2])
-    return np.stack(passed, axis=-1)
+def _passing(faces: np.ndarray) -> np.ndarray:
+    """What each cell's faces, in the order of `transfer.FACES`, let through: [z][y][x][6][5]."""
+    met = [[bounces.at_faces(faces, f // 2, f % 2 == 0)[..., t // 2] for f in transfer.FACES[t]] for t in range(6)]
+    return np.stack([np.stack(passed, axis=-1) for passed in met], axis=-2)
 
 
 def propagate(
     sh, iterations: int, gain: float = 1.0, evaluation: str = "clamped", reprojection: str = "face",
-    faces: np.ndarray | None = None,
+    faces: np.ndarray | None = None, reflectance: np.ndarray | None = None,
 ) -> np.ndarray:  # fmt: skip
     """Accumulated light S_0 + S_1 + ... + S_k after k = `iterations` steps from S_0 = `sh` [z][y][x][rgb][4]
-    (Olovsson 2012, 3.2.3, S_A). faces: as in `step`, but not in the first one (CLPV 3.3). Raises ValueError on an
-    unknown name or a negative number of iterations."""
+    (Olovsson 2012, 3.2.3, S_A). faces, reflectance: as in `step`, but not in the first one (CLPV 3.3). Raises
+    ValueError on an unknown name or a negative number of iterations."""
     if iterations < 0:
         raise ValueError(f"the number of iterations cannot be negative, got {iterations}")
     current = np.asarray(sh, dtype=np.float64)
     accumulated = current.copy()
     for number in range(iterations):
-        current = step(current, gain, evaluation, reprojection, faces if number else None)
+        current = step(current, gain, evaluation, reprojection, faces if number else None, reflectance)
         accumulated += current
     return accumulated
 

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from ...gpu.bindings import storage, storage_rw
+from ...gpu.bindings import Binding, storage, storage_rw
 from ...gpu.device import Device
 from ...gpu.passes import ComputePass
 from ...simulator.lpv import transfer
@@ -20,10 +20,14 @@ CELL_TYPES = {"f32": "vec4f", "f16": "vec2u"}
 CELL_BYTES = {"f32": 48, "f16": 24}
 
 
+def _places(block: tuple[int, ...]) -> list[tuple[int, ...]]:
+    return list(itertools.product(*(range(b) for b in block)))
+
+
 def block_sources(block: tuple[int, int, int] = BLOCK) -> list[dict[str, Any]]:
     """Which neighbours a block of cells reads: offset, which of the block's own cells it is (or None), and which cells
     use it how."""
-    cells = list(itertools.product(*(range(b) for b in block)))
+    cells = _places(block)
     sources: dict[tuple[int, ...], list[dict[str, Any]]] = {}
     for number, cell in enumerate(cells):
         for direction in transfer.DIRECTIONS.tolist():
@@ -40,7 +44,7 @@ def block_faces(block: tuple[int, int, int] = BLOCK) -> dict[str, Any]:
     names by cell, axis and whether it is the upper one."""
     met: dict[str, dict[str, Any]] = {}
     names: list[dict[str, list[str]]] = []
-    for cell in itertools.product(*(range(b) for b in block)):
+    for cell in _places(block):
         names.append({})
         for axis in range(3):
             for upper in range(2):
@@ -49,9 +53,6 @@ def block_faces(block: tuple[int, int, int] = BLOCK) -> dict[str, Any]:
                 met[name] = {"name": name, "cell": at, "axis": axis}
                 names[-1].setdefault("xyz"[axis], []).append(name)
     return {"faces_met": list(met.values()), "face_names": names}
-
-
-UNIT = ("1, 0, 0", "0, 1, 0", "0, 0, 1")  # of x, y and z, for templates
 
 
 class Step(NamedTuple):
@@ -79,19 +80,27 @@ def steps_of(iterations: int, *, occluded: bool, keeps_last: bool) -> list[Step]
 
 
 class _Faces:
-    """`faces`: words as the stored cells lie, three a cell: what its lower faces let through (faces.wgsl)."""
+    """What the geometry volume does to light, in thousandths (faces.wgsl). `faces`: words as the stored cells lie, three
+    a cell: what its lower faces let through. `reflectances`: two words a cell, or a cell's channel, as light lies: what
+    the blockers around it reflect of light along +x, +y, +z and along -x, -y, -z."""
 
-    def __init__(self, device: Device, levels: Levels):
-        self.faces = device.buffer("LPV faces", size=levels.stored * 12)
-        self._threads = levels.dispatched(beyond=1)
+    def __init__(self, device: Device, levels: Levels, bounces: str):
+        self._threads = levels.dispatched(BLOCK, beyond=2)
+        faces = device.buffer("LPV faces", size=levels.stored * 12)
+        self.made = {"faces": faces}
+        bindings = [storage("shares", "vec4f"), storage_rw("faces", "u32", "write")]
+        if bounces != "none":
+            size = levels.cells * 8 * (3 if bounces == "spectral" else 1)
+            self.made["reflectances"] = device.buffer("LPV reflectances", size=size)
+            bindings += [storage("reflectors", "vec4f"), storage_rw("reflectances", "vec2u", "write")]
         self._pass = ComputePass(
-            device, "faces", "techniques/lpv/faces.wgsl",
-            [storage("shares", "vec4f"), storage_rw("faces", "u32", "write")], workgroup=(WORKGROUP, 1, 1),
-            levels=levels.described(beyond=1), unit=UNIT, row=ROW, evaluation="", access=[],
+            device, "faces", "techniques/lpv/faces.wgsl", bindings, workgroup=(WORKGROUP, 1, 1),
+            levels=levels.described(BLOCK, beyond=2), row=ROW, evaluation="", access=[], bounces=bounces, block=BLOCK,
+            block_cells=_places(BLOCK), cell_corners=_places((2, 2, 2)), corners=_places(tuple(b + 1 for b in BLOCK)),
         )  # fmt: skip
 
-    def run(self, stage: Any, shares: Any) -> None:
-        self._pass.run(stage, self._threads, shares=shares, faces=self.faces)
+    def run(self, stage: Any, volumes: dict[str, Any]) -> None:
+        self._pass.run(stage, self._threads, **volumes, **self.made)
 
 
 class Propagation:
@@ -100,6 +109,7 @@ class Propagation:
     sizes: cells along each side of the levels, all of which are propagated by the same dispatches; one is a uniform
     volume. Of a level of one cell all light leaves: it is not propagated.
     occlusion: the geometry volume dims what passes the cells' faces.
+    bounces: with occlusion, "mono" or "spectral": blockers reflect what they take, grey or in their colour.
     threshold: with one, `touched` becomes 1 where a level has been brought light (OLPV 4.2, the index volume): a
     contribution of more than that share of the power of two below the largest injected one.
     keeps_last: `last` holds the last step's light after `run`, which nothing but a merge by arrival asks for.
@@ -107,7 +117,8 @@ class Propagation:
 
     def __init__(
         self, device: Device, sizes: Sequence[int], *, evaluation: str, reprojection: str, gain: float,
-        cell_format: str, threshold: float | None = None, occlusion: bool = False, keeps_last: bool = False,
+        cell_format: str, threshold: float | None = None, occlusion: bool = False, bounces: str = "none",
+        keeps_last: bool = False,
     ):  # fmt: skip
         self.levels, self._keeps_last = Levels(sizes), keeps_last
         self._travelled = Levels([n for n in sizes if n > 1])
@@ -126,13 +137,19 @@ class Propagation:
         }  # fmt: skip
         self._starts: dict[bool, ComputePass] = {}
         self._steps: dict[Step, ComputePass] = {}
-        self._faces = _Faces(device, self.levels) if occlusion else None
+        self._bounces = bounces
+        self._faces = _Faces(device, self.levels, bounces) if occlusion else None
         self.last = self._cells[0]
 
     @property
     def values(self) -> dict[str, Any]:
         """What templates of cells.wgsl need to read `last`."""
         return {**self._values, "levels": self.levels.described(), "access": ["load"]}
+
+    @property
+    def blockers(self) -> dict[str, Any]:
+        """What `run` has made of the geometry volume: "faces", and "reflectances" with bounces (faces.wgsl)."""
+        return self._faces.made if self._faces else {}
 
     @property
     def touched(self) -> Any:
@@ -163,25 +180,33 @@ class Propagation:
                 self._device, "propagate", "techniques/lpv/propagation.wgsl",
                 [*([] if step.first else [storage("cells_in", self.kind)]),
                  *([storage_rw("cells_out", self.kind, "write")] if step.stores else []),
-                 *([storage("faces", "u32")] if step.occluded else []), *(sums if step.adds else []),
+                 *self._blockers(step), *(sums if step.adds else []),
                  *([storage("injected", "vec4f"), storage("peak", "u32")] if step.reads_injected else [])],
                 workgroup=(WORKGROUP, 1, 1), block=BLOCK, first=step.first, adds=step.adds, sources=block_sources(),
-                block_cells=list(itertools.product(*(range(b) for b in BLOCK))),
+                block_cells=_places(BLOCK),
                 levels=self._travelled.described(BLOCK),
                 access=["load"] * (not step.first) + ["store"] * step.stores, occluded=step.occluded, **block_faces(),
+                bounces=self._bounces if step.occluded else "none",
                 **self._values,
             )  # fmt: skip
         return self._steps[step]
 
-    def run(self, stage: Any, injected: Any, peak: Any, iterations: int, shares: Any = None) -> None:
+    def _blockers(self, step: Step) -> list[Binding]:
+        kinds = {"faces": "u32", "reflectances": "vec2u"}
+        return [storage(name, kinds[name]) for name in self.blockers] if step.occluded else []
+
+    def run(
+        self, stage: Any, injected: Any, peak: Any, iterations: int, shares: Any = None, reflectors: Any = None
+    ) -> None:
         """Accumulate S_0 to S_k of `injected` (vec4f [level][z][y][x][rgb], W/sr) with k = `iterations`. shares: the
         geometry volume (vec4f [level][z][y][x]), half a cell aside, with `occlusion`; no step but the first goes
-        without (CLPV 3.3)."""
+        without (CLPV 3.3). reflectors: three vec4f for each of its cells, with `bounces` (bounces.reflectors)."""
         light = {"injected": injected, "peak": peak}
         if not iterations or self.levels.sizes != self._travelled.sizes:
             self._start(stage, light, still=bool(iterations))
         if self._faces:
-            self._faces.run(stage, shares)
+            volumes = {"shares": shares} | ({"reflectors": reflectors} if self._bounces != "none" else {})
+            self._faces.run(stage, volumes)
         threads = self._travelled.dispatched(BLOCK)
         source, target = self._cells
         for step in steps_of(iterations, occluded=self._faces is not None, keeps_last=self._keeps_last):
@@ -190,8 +215,8 @@ class Propagation:
                 others["cells_out"] = target
             if step.adds:
                 others |= {"light": self.light, **self._marked}
-            if step.occluded and self._faces:
-                others["faces"] = self._faces.faces
+            if step.occluded:
+                others |= self.blockers
             if step.reads_injected:
                 others |= light
             self._step(step).run(stage, threads, **others)

@@ -13,12 +13,16 @@
 {# What the geometry volume lets through the face of cell `key` at the upper or lower end of `axis`, to light along `travel`. #}
 {% macro passing(key, axis, upper, travel) %}{% if occluded %}{{ face_names[key][axis][upper|int] }}.{{ travel }} * {% endif %}{% endmacro %}
 
+{% macro blocked(key, axis, upper, travel, part) %}{{ part }}_{{ face_names[key][axis][upper|int] }}.{{ travel }}{% endmacro %}
+
 {# What injected light at `offset` counts: nothing outside the volume, where no light is stored. #}
 {% macro scale_at(offset) %}scale{% for k in range(3) if offset[k] < 0 or offset[k] >= block[k] %}_{{ "xyz"[k] }}{{ (offset[k] > 0)|int }}{% endfor %}{% endmacro %}
 
 {% set begins = adds == 3 or first and adds %}
 
 {% macro beside(offset, row, slab) %}{{ 3 * offset[0] }} + {{ offset[1] }} * {{ row }} + {{ offset[2] }} * {{ slab }}{% endmacro %}
+
+{% macro beside_light(cell) %}{{ cell[0] }} + level.n * ({{ cell[1] }} + level.n * {{ cell[2] }}){% endmacro %}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -33,7 +37,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let row = 3 * (level.n + 2);
     let slab = row * (level.n + 2);
     let here = i32(stored_index(level, base, 0u));
-    {% if adds or first %}
+    {% if adds or first or bounces != "none" %}
     let cell_here = level.light + base.x + level.n * (base.y + level.n * base.z);
     let light_row = 3 * level.n;
     let light_slab = light_row * level.n;
@@ -51,11 +55,25 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     {% endfor %}
     {% for face in faces_met if occluded %}
     let {{ face.name }} = unpack_thousandths(faces[stored_index(level, base + vec3i({{ face.cell|join(", ") }}), 0u) + {{ face.axis }}u]);
+    {% if bounces != "none" %}
+    // Blocked by surfaces across the face's own axis, and by those across the way of the light (bounces.py, `reflected`).
+    let straight_{{ face.name }} = min(1.0 - {{ face.name }}, vec3f({{ 5 ** -0.5 }} * (1.0 - {{ face.name }}.{{ "xyz"[face.axis] }})));
+    let across_{{ face.name }} = 1.0 - {{ face.name }} - straight_{{ face.name }};
+    {% endif %}
+    {% endfor %}
+    {% for cell in block_cells if bounces == "mono" %}
+    let reflectance_{{ loop.index0 }} = reflectances[cell_here + {{ beside_light(cell) }}];
+    let reflects_up_{{ loop.index0 }} = unpack_thousandths(reflectance_{{ loop.index0 }}.x);
+    let reflects_down_{{ loop.index0 }} = unpack_thousandths(reflectance_{{ loop.index0 }}.y);
     {% endfor %}
     for (var channel = 0u; channel < 3u; channel++) {
         {% for cell in block_cells %}
         var total_{{ loop.index0 }} = 0.0;
         var vector_{{ loop.index0 }} = vec3f(0.0);
+        {% if bounces != "none" %}
+        var back_up_{{ loop.index0 }} = vec3f(0.0); // blocked on its way along +x, +y and +z
+        var back_down_{{ loop.index0 }} = vec3f(0.0);
+        {% endif %}
         {% endfor %}
         {% for cell in block_cells if adds %}
         var former_{{ loop.index0 }}: vec4f;
@@ -69,7 +87,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             let e = load_at(u32(here + i32(channel) + {{ beside(source.offset, "row", "slab") }}));
             {% endif %}
             {% for use in source.uses %}
-            {{ step.receive(use.cell, use.axis, use.sign, passing) }}
+            {{ step.receive(use.cell, use.axis, use.sign, passing, blocked if bounces != "none" else none) }}
             {% endfor %}
             {% if adds and source.own is not none %}
             former_{{ source.own }} = {% if first %}c{% else %}from_emission(e){% endif %};
@@ -78,6 +96,18 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         {% endfor %}
         {% for cell in block_cells %}
         {
+            {% if bounces != "none" %}
+            {% if bounces == "spectral" %}
+            let reflectance = reflectances[3u * u32(cell_here + {{ beside_light(cell) }}) + channel];
+            let up = back_up_{{ loop.index0 }} * unpack_thousandths(reflectance.x);
+            let down = back_down_{{ loop.index0 }} * unpack_thousandths(reflectance.y);
+            {% else %}
+            let up = back_up_{{ loop.index0 }} * reflects_up_{{ loop.index0 }};
+            let down = back_down_{{ loop.index0 }} * reflects_down_{{ loop.index0 }};
+            {% endif %}
+            total_{{ loop.index0 }} += dot(up + down, vec3f(1.0));
+            vector_{{ loop.index0 }} += down - up;
+            {% endif %}
             let c = vec4f({{ lobe0 }} * total_{{ loop.index0 }}, {{ lobe1 }} * vector_{{ loop.index0 }}.yzx);
             {% if adds %}
             let number = u32(light_here + i32(channel) + {{ beside(cell, "light_row", "light_slab") }});
