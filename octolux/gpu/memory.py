@@ -13,6 +13,7 @@ TEXEL_BYTES = {
     "rgba8unorm-srgb": 4,
     "r32uint": 4,
     "r32float": 4,
+    "rg32float": 8,
     "depth32float": 4,
     "rgba16float": 8,
     "rgba32uint": 16,

@@ -1,0 +1,101 @@
+// Ambient visibility from the depth buffer: horizons in slices through the sight line (Jimenez et al. 2016, "Practical
+// real-time strategies for accurate indirect occlusion"). Derivations: simulator/gtao.py.
+{{ use("shaders/view.wgsl") }}
+{{ use("shaders/gbuffer.wgsl") }}
+{{ use("frame/gtao_noise.wgsl") }}
+{{ use(radius_file) }}
+
+// From the sight line to `horizon`: the integral of cos(t - normal) sin(t).
+fn arc(horizon: f32, normal: f32) -> f32 {
+    return 0.25 * (cos(normal) - cos(2.0 * horizon - normal) + 2.0 * horizon * sin(normal));
+}
+
+@compute @workgroup_size({{ workgroup }})
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if any(id.xy >= textureDimensions(visibility_out)) { return; }
+    let size = textureDimensions(depth_map);
+    let pixel = min({{ resolution }}u * id.xy + {{ resolution // 2 }}u, size - 1u);
+    let depth = textureLoad(depth_map, pixel).x;
+    let view = views[0];
+    let ray = view_ray(view, vec2f(pixel) + 0.5);
+    let position = ray.origin + depth * ray.direction;
+    let eye = -normalize(ray.direction);
+    let s = unpack_surface(textureLoad(surface_map, pixel));
+    let geometric = s.geometric_normal;
+    let normal = select(geometric, s.normal, dot(s.normal, eye) > 0.0);
+    let to_right = view.origin_dx + depth * view.direction_dx; // metres, for a pixel at this depth
+    let down = view.origin_dy + depth * view.direction_dy;
+    let radius = ao_radius(position);
+    {% if filtered %}
+    let noise = tile_noise(id.xy);
+    {% else %}
+    let noise = vec3f(0.5);
+    {% endif %}
+    let across = normalize(to_right - eye * dot(to_right, eye));
+    let up = cross(eye, across);
+    var whole = 0.0;
+    var open = 0.0;
+    {% for slice in range(slices) %}
+    {
+        let turn = ({{ slice }}.0 + noise.x) * {{ pi / slices }};
+        let u = cos(turn) * across + sin(turn) * up;
+        let side = cross(eye, u); // normal of the slice
+        let crossing = vec2f(dot(down, side), -dot(to_right, side)); // pixels move along it within the slice
+        let unsigned_step = normalize(crossing);
+        let metres = dot(to_right * unsigned_step.x + down * unsigned_step.y, u);
+        let pixel_step = select(-unsigned_step, unsigned_step, metres > 0.0);
+        let reach = radius * (1.0 - {{ falloff }} * fract(noise.z + {{ slice / slices }}));
+        let pixels = reach / abs(metres);
+        let g = vec2f(dot(geometric, u), dot(geometric, eye));
+        let n = vec2f(dot(normal, u), dot(normal, eye));
+        let g_length = max(length(g), 1e-6);
+        let lean = g / g_length; // sine and cosine of the geometric normal's angle from the sight line, towards u
+        let tangent = lean.y * u - lean.x * eye;
+        let g_angle = atan2(lean.x, lean.y);
+        let n_angle = atan2(n.x, n.y);
+        let weight = max(length(n), 1e-6);
+        {% for sign in (1, -1) %}
+        {
+            let limit = {{ pi / 2 }} + min({{ sign }}.0 * g_angle, {{ sign }}.0 * n_angle);
+            let start = fract(noise.y + {{ (2 * slice + loop.index0) * golden % 1 }});
+            var highest = cos(limit);
+            var last = vec3f(0.0); // x, h and distance of the sample before
+            {% for step in range(steps) %}
+            {
+                let t = ({{ step }}.0 + start) * {{ 1 / steps }};
+                let away = {{ sign }}.0 * max(pixels * t, 1.0) * pixel_step;
+                let at = vec2i(floor(vec2f(pixel) + 0.5 + away));
+                let there = textureLoad(depth_map, at).x;
+                let moved = vec2f(at) - vec2f(pixel);
+                let d = (there - depth) * ray.direction
+                    + moved.x * (view.origin_dx + there * view.direction_dx)
+                    + moved.y * (view.origin_dy + there * view.direction_dy);
+                // Moved into the slice along the tangent plane, above which its height stays.
+                let x = dot(d, tangent);
+                let h = dot(d, geometric) / g_length;
+                let distance = select(1e30, length(d), there > 0.0 && all(vec2u(at) < size));
+                let within = distance < reach;
+                let cosine = (h * lean.y - x * lean.x) * inverseSqrt(x * x + h * h);
+                highest = select(highest, max(highest, cosine), within);
+                // Straight from the sample before to one a little beyond the radius: cut at the radius.
+                let leaves = last.z < reach && !within && distance < {{ 1 + beyond / steps }} * reach;
+                let share = (reach - last.z) / (distance - last.z);
+                let cut = mix(last.xy, vec2f(x, h), share);
+                let cut_cosine = (cut.y * lean.y - cut.x * lean.x) * inverseSqrt(dot(cut, cut));
+                highest = select(highest, max(highest, cut_cosine), leaves);
+                last = vec3f(x, h, distance);
+            }
+            {% endfor %}
+            whole += weight * arc(limit, {{ sign }}.0 * n_angle);
+            open += weight * arc(min(limit, acos(min(highest, 1.0))), {{ sign }}.0 * n_angle);
+        }
+        {% endfor %}
+    }
+    {% endfor %}
+    let seen = select(1.0, saturate(open / whole), depth > 0.0 && whole > 0.0);
+    {% if filtered %}
+    textureStore(visibility_out, id.xy, vec4f(seen, depth, 0.0, 0.0));
+    {% else %}
+    textureStore(visibility_out, id.xy, vec4f(seen));
+    {% endif %}
+}
