@@ -56,7 +56,7 @@ def bound(cell: np.ndarray, nodes: list[gathering.Nodes], facing: bool) -> np.nd
         x, cosine = size**2 / square, np.sum(way * level.direction[:, 0], axis=-1) / np.sqrt(square)
         share = np.minimum(x * (1.0 - cosine**2) + x * x / 100.0 if facing else x, 0.99)
         sure.append(replace(level, flux=level.flux * (share / (1.0 - share))[:, None]))
-        read = gathering.takes(cell, level.cell, level.level, len(nodes)) & (cosine > 0)
+        read = gathering.takes(cell, level.cell, level.level, level.level == len(nodes) - 1) & (cosine > 0)
         sent = level.flux * (cosine * size / 8.0 / pi / square**1.5)[:, None] / H**2
         for face in range(6):
             split = read & (np.abs(way @ DIRECTIONS[face]) < 0.5 * size)
@@ -72,7 +72,7 @@ def test_each_pair_of_cells_meets_on_one_level(n):
     sorted_cells = cells[np.all(np.diff(cells) >= 0, axis=1)]
     for some in np.array_split(sorted_cells, 16):
         times = sum(
-            gathering.takes(some[:, None], cells[None] >> i, i, levels).astype(np.int8) for i in range(levels)
+            gathering.takes(some[:, None], cells[None] >> i, i, i == levels - 1).astype(np.int8) for i in range(levels)
         )
         itself = (some[:, None] == cells[None]).all(axis=-1)
         np.testing.assert_array_equal(times, 1 - itself.astype(np.int8))
@@ -83,7 +83,7 @@ def test_nodes_are_read_from_where_they_look_small():
     cells = every_cell(32)[::61]
     for level in range(1, 4):
         nodes = every_cell(32 >> level)
-        read = gathering.takes(cells[:, None], nodes[None], level, 6)
+        read = gathering.takes(cells[:, None], nodes[None], level, level == 5)
         away = np.abs((cells[:, None] + 0.5) / 2**level - (nodes[None] + 0.5)).max(axis=-1)
         assert away[read].min() > 1.5 and away[read].max() < 3.5
 
@@ -162,7 +162,7 @@ def test_the_inverse_square():
     cells = np.array([[8, 8, 8 + z] for z in distances])
     levels = gathering.light_nodes(one_light(sh.cosine_lobe([0.0, 0.0, 1.0]) / pi))
     size = np.array([2.0 ** next(
-        level.level for level in levels if gathering.takes(cell, level.cell[0], level.level, len(levels))
+        level.level for level in levels if gathering.takes(cell, level.cell[0], level.level, level.level == len(levels) - 1)
     ) for cell in cells])  # fmt: skip
     found = gathering.gather(cells, levels, H)[:, DOWN, 0]
     np.testing.assert_allclose(found, 1.0 / pi / ((distances + 0.5) ** 2 + size**2 / 3.0) / H**2, rtol=1e-12)

@@ -11,27 +11,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from octolux.simulator.grid import Grid
+from octolux.simulator.lpv.gathering import Nodes, first_moments, nodes_of
+from octolux.simulator.lpv.octree import downsample
 
 SNAP = 4
 """Cells of its own by which a window moves."""
-
-AHEAD = 0.25
-"""Share of its side by which a window's middle lies before the camera (4: "displaced into the view direction")."""
 
 
 @dataclass(frozen=True)
 class Window:
     """Cells origin to origin + n of a level, counted from the volume's corner (x, y, z). size: of its cells, in those
-    of level 0. at_low, at_high: by axis, whether it ends with the whole volume there."""
+    of level 0. low, high: where its light is no longer read, in its cells from its own corner; these follow the camera
+    without steps, so that what is seen does not jump when the window does."""
 
     origin: tuple[int, int, int]
     size: int
-    at_low: tuple[bool, ...]
-    at_high: tuple[bool, ...]
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
 
 
 def transition(n: int) -> int:
@@ -41,29 +42,34 @@ def transition(n: int) -> int:
 
 def place_windows(n: int, count: int, volume: Grid, position, forward) -> list[Window]:
     """The windows around a camera at `position` (3,) that looks along `forward` (3,), the finest first; the last is
-    `volume`, n^3 cells, whole. A window leaves room for its transition inside the next but at the volume's ends.
+    `volume`, n^3 cells, whole.
 
-    Raises ValueError for fewer than one, or n that is not a multiple of 16.
+    Each lies before the camera (4: "displaced into the view direction"), by n / 8 - 1/2 cells: as far as leaves it
+    within that part of the next where this one's light is read alone. For it is read up to n / 2 - 5 / 2 cells from its
+    middle, two for the snapping and one half for the filter, and alone up to a transition before that; from one of
+    twice the size to the next, with m cells of displacement each, n / 2 - 5 / 2 + m <= 2 (n / 2 - 5 / 2 - n / 8).
+    At the volume's ends, beyond which there is nothing to see, it stays inside.
+
+    Raises ValueError for fewer than one window, or n that is not a multiple of 16.
     """
-    if count < 1 or n % 16:
+    if count < 1 or n < 16 or n % 16:
         raise ValueError(f"windows of a multiple of 16 cells, one at least; got {count} of {n}")
     position, forward = np.asarray(position, dtype=np.float64), np.asarray(forward, dtype=np.float64)
-    windows = [_window(np.zeros(3, dtype=int), n, 1 << (count - 1), n)]
-    spare = transition(n) + 2
-    for level in reversed(range(count - 1)):
-        outer = np.array(windows[0].origin)
+    windows = []
+    for level in range(count - 1):
         size, cells = 1 << level, n << (count - 1 - level)  # of the whole volume, along each side
-        middle = (position - volume.origin) / (volume.cell_size * n / cells) + AHEAD * n * forward
-        wanted = SNAP * np.rint((middle - 0.5 * n) / SNAP).astype(int)
-        low = np.where(np.array(windows[0].at_low), 0, 2 * (outer + spare))
-        high = np.where(np.array(windows[0].at_high), cells - n, 2 * (outer + n - spare) - n)
-        windows.insert(0, _window(np.clip(wanted, low, high), n, size, cells))
-    return windows
+        wanted = (position - volume.origin) / (volume.cell_size * n / cells) + (n / 8 - 0.5) * forward
+        middle = np.clip(wanted, n / 2, cells - n / 2)
+        origin = SNAP * np.rint((middle - n / 2) / SNAP).astype(int)
+        reach = n / 2 - SNAP / 2 - 0.5
+        low, high = np.minimum(wanted, middle) - reach - origin, np.maximum(wanted, middle) + reach - origin
+        windows.append(Window(_triple(origin), size, _triple(low), _triple(high)))
+    return [*windows, Window((0, 0, 0), 1 << (count - 1), (-np.inf,) * 3, (np.inf,) * 3)]
 
 
-def _window(origin: np.ndarray, n: int, size: int, cells: int) -> Window:
-    x, y, z = (int(o) for o in origin)
-    return Window((x, y, z), size, tuple(origin == 0), tuple(origin + n == cells))
+def _triple(values: np.ndarray) -> tuple[Any, Any, Any]:
+    x, y, z = values.tolist()
+    return x, y, z
 
 
 def grids_of(windows: Sequence[Window], volume: Grid) -> list[Grid]:
@@ -78,15 +84,34 @@ def grids_of(windows: Sequence[Window], volume: Grid) -> list[Grid]:
 
 def weights(places, windows: Sequence[Window], n: int) -> np.ndarray:
     """Share (count, M) of each window in what is read at `places` (count, M, 3), in cells of each window from its
-    corner: the finest that holds the place, giving way to the next over its last cells but one, as filters reach half
-    a cell beyond a place."""
+    corner: the finest that holds the place, giving way to the next over its last cells."""
     left, result = np.ones(np.shape(places)[1]), []
     for place, window in zip(places, windows, strict=True):
-        low = np.where(window.at_low, np.inf, place)
-        high = np.where(window.at_high, np.inf, n - place)
-        inside = np.all((place >= 0.0) & (place <= n), axis=-1)
-        room = np.minimum(low, high).min(axis=-1)
-        share = np.where(inside, np.clip((room - 1.0) / transition(n), 0.0, 1.0), 0.0)
+        room = np.minimum(place - window.low, np.array(window.high) - place).min(axis=-1)
+        share = np.clip(room / transition(n), 0.0, 1.0)
         result.append(left * share)
         left = left * (1.0 - share)
     return np.array(result)
+
+
+def nested_levels(own: Sequence[np.ndarray], windows: Sequence[Window], factor: float = 1.0) -> list[np.ndarray]:
+    """All levels from what each window [z][y][x]... has that no finer one holds: to it comes `factor` times the sum of
+    the children that the finer window has; and then the octree above the last window, down to one cell."""
+    levels = [np.asarray(own[0], dtype=np.float64)]
+    for cells, inner, outer in zip(own[1:], windows, windows[1:], strict=False):
+        here = np.array(cells, dtype=np.float64)
+        x, y, z = np.array(inner.origin) // 2 - outer.origin
+        half = here.shape[0] // 2
+        here[z : z + half, y : y + half, x : x + half] += factor * downsample(levels[-1], "sum")
+        levels.append(here)
+    while levels[-1].shape[0] > 1:
+        levels.append(factor * downsample(levels[-1], "sum"))
+    return levels
+
+
+def window_nodes(own: Sequence[np.ndarray], windows: Sequence[Window]) -> list[Nodes]:
+    """Nodes of all levels, as gathering.light_nodes makes them, from each window's own light [z][y][x][rgb][4]."""
+    moments = [first_moments(light, w.origin, w.size) for light, w in zip(own, windows, strict=True)]
+    levels = zip(nested_levels(own, windows), nested_levels(moments, windows), strict=True)
+    origins = [w.origin for w in windows]
+    return [nodes_of(i, *level, origins[i] if i < len(origins) else (0, 0, 0)) for i, level in enumerate(levels)]

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
+from typing import Any
 
 import numpy as np
 
@@ -50,53 +51,77 @@ def light_nodes(injected) -> list[Nodes]:
     sqrt(3)/2 |c1| / c00 of the flux long (harmonics.dominant_lobe).
     """
     injected = np.asarray(injected, dtype=np.float64)
+    levels = zip(build_levels(injected), build_levels(first_moments(injected)), strict=True)
+    return [nodes_of(i, cells, moments) for i, (cells, moments) in enumerate(levels)]
+
+
+def first_moments(injected: np.ndarray, origin=(0, 0, 0), size: float = 1.0) -> np.ndarray:
+    """[z][y][x][4]: weight times the light's place, in cells of level 0, and the weight: band 0 of all channels.
+    origin: of the first cell; size: of the cells, in those of level 0."""
     weight = injected[..., 0].sum(axis=-1, keepdims=True)
     z, y, x = np.indices(weight.shape[:3])
     behind = 0.5 * 0.5 * np.sqrt(3.0) * harmonics.vector(injected).sum(axis=-2)
-    moments = np.concatenate([weight * (np.stack([x, y, z], axis=-1) + 0.5) - behind, weight], axis=-1)
-    result = []
-    for i, (cells, moment) in enumerate(zip(build_levels(injected), build_levels(moments), strict=True)):
-        lit = np.nonzero(moment[..., 3] > 0.0)
-        place = moment[lit][:, :3] / moment[lit][:, 3:]
-        result.append(Nodes(i, np.stack(lit[::-1], axis=-1), place, *harmonics.dominant_lobe(cells[lit])))
-    return result
+    places = weight * (np.stack([x, y, z], axis=-1) + origin + 0.5) - behind
+    return np.concatenate([size * places, weight], axis=-1)
 
 
-def takes(cell: np.ndarray, node: np.ndarray, level: int, levels: int) -> np.ndarray:
-    """Whether cells (..., 3) of level 0 read nodes (..., 3) of `level`: next to the node's parent, but not to it; on
-    level 0 to it as well, but for the cell itself, whose light leaves it; and on the last level without a parent."""
-    near = np.abs(node - (cell >> level)).max(axis=-1) <= 1
-    wide = np.abs((node >> 1) - (cell >> (level + 1))).max(axis=-1) <= 1
-    far = ~near if level else (node != cell).any(axis=-1)
-    return far & wide if level < levels - 1 else far
+def nodes_of(level: int, cells: np.ndarray, moments: np.ndarray, origin=(0, 0, 0)) -> Nodes:
+    """The nodes of a level from its light [z][y][x][rgb][4] and its first moments."""
+    lit = np.nonzero(moments[..., 3] > 0.0)
+    place = moments[lit][:, :3] / moments[lit][:, 3:]
+    return Nodes(level, np.stack(lit[::-1], axis=-1) + origin, place, *harmonics.dominant_lobe(cells[lit]))
 
 
-def gather(cells, nodes: Sequence[Nodes], cell_size: float, geometry: Sequence[np.ndarray] | None = None) -> np.ndarray:
-    """Irradiance (M, 6, 3) [face][rgb], W/m^2 (lx), on small faces in the middle of `cells` (M, 3) of level 0 whose
-    normals are `transfer.DIRECTIONS`. geometry: the geometry volume's levels, which block; None for no occlusion."""
+def takes(cell: np.ndarray, node: np.ndarray, steps: int, last: bool, whole=True) -> np.ndarray:
+    """Whether cells (..., 3) read nodes (..., 3) that are `steps` levels coarser: next to the node's parent, but not to
+    it, unless it has no children in its place (`whole` is false); of their own level next to it as well, but for the
+    cell itself, whose light leaves it; and on the last level without a parent."""
+    near = np.abs(node - (cell >> steps)).max(axis=-1) <= 1
+    wide = np.abs((node >> 1) - (cell >> (steps + 1))).max(axis=-1) <= 1
+    far = ~(near & whole) if steps else (node != cell).any(axis=-1)
+    return far if last else far & wide
+
+
+def gather(
+    cells, nodes: Sequence[Nodes], cell_size: float, geometry: Sequence[np.ndarray] | None = None, *,
+    base: int = 0, origins: Sequence[tuple[int, int, int]] = (), n: int = 0,
+) -> np.ndarray:  # fmt: skip
+    """Irradiance (M, 6, 3) [face][rgb], W/m^2 (lx), on small faces in the middle of `cells` (M, 3) of level `base`
+    whose normals are `transfer.DIRECTIONS`. cell_size: of that level, m. geometry: the geometry volume's levels, which
+    block; None for no occlusion. origins: of those levels that are windows of n^3 cells (cascades.py); the last is
+    whole, as are the levels above it."""
     cells = np.asarray(cells)
     result = np.zeros((len(cells), 6, 3))
-    for level in nodes:
-        read = takes(cells[:, None], level.cell[None], level.level, len(nodes))
+    starts = np.zeros((len(nodes), 3), dtype=int)
+    starts[: len(origins)] = np.reshape(origins, (-1, 3))
+    blockers = None if geometry is None else (geometry[base:], starts[base:])
+    for level in nodes[base:]:
+        whole: np.ndarray | bool = True
+        if 0 < level.level < len(origins):
+            child = 2 * level.cell - starts[level.level - 1]
+            whole = np.all((child >= 0) & (child < n), axis=-1)[None]
+        last = level.level == len(nodes) - 1
+        read = takes(cells[:, None], level.cell[None], level.level - base, last, whole)
         for number in range(len(level.cell)):
             near = np.nonzero(read[:, number])[0]
-            result[near] += _received(cells[near] + 0.5, level, number, geometry)
+            result[near] += _received(cells[near] + 0.5, level, number, base, blockers)
     return result / cell_size**2
 
 
-def _received(points: np.ndarray, nodes: Nodes, number: int, geometry: Sequence[np.ndarray] | None) -> np.ndarray:
-    """What one node sends to each of `points` (M, 3), in cells: (M, 6, 3), times the square of the cell size."""
-    way = points - nodes.place[number]
+def _received(points: np.ndarray, nodes: Nodes, number: int, base: int, blockers: Any) -> np.ndarray:
+    """What one node sends to each of `points` (M, 3), in cells of `base`: (M, 6, 3), times the square of their size."""
+    place = nodes.place[number] / 2.0**base
+    way = points - place
     square = np.sum(way * way, axis=-1)
     direction = way / np.sqrt(np.maximum(square, 1e-12))[:, None]
     cosine = np.maximum(0.0, direction @ nodes.direction[number].T)
     flux, fraction = nodes.flux[number], nodes.fraction[number]
     intensity = flux * (fraction * cosine / pi + (1.0 - fraction) / (4.0 * pi))
-    size = 2.0**nodes.level
+    size = 2.0 ** (nodes.level - base)
     arriving = intensity / (square + SPREAD * size**2)[:, None]
-    if geometry is not None:
-        place = np.broadcast_to(nodes.place[number], points.shape)
-        arriving *= cone_transmittance(geometry, points, place, size)[:, None]
+    if blockers is not None:
+        geometry, origins = blockers
+        arriving *= cone_transmittance(geometry, points, np.broadcast_to(place, points.shape), size, origins)[:, None]
     return np.maximum(0.0, -direction @ DIRECTIONS.T)[:, :, None] * arriving[:, None, :]
 
 

@@ -89,7 +89,7 @@ def face_transmittance(shares) -> np.ndarray:
     return result
 
 
-def cone_transmittance(geometry: Sequence[np.ndarray], start, end, node_size) -> np.ndarray:
+def cone_transmittance(geometry: Sequence[np.ndarray], start, end, node_size, origins=None) -> np.ndarray:
     """Share (M,) of light that passes from points `end` (M, 3) in nodes of `node_size` (M,) to points `start` (M, 3),
     in the middle of cells, in cells of level 0: a cone from a point to the node, marched on the level whose cells are
     half as wide as the cone.
@@ -98,6 +98,8 @@ def cone_transmittance(geometry: Sequence[np.ndarray], start, end, node_size) ->
     the middle of the step: it is blocked by the cell's shares a.|u| times the length of the step, at most wholly.
     Steps begin on the faces of their level's cells, if need be one former step earlier, so that each layer is crossed
     and a wall across the way blocks all.
+    Of a level whose array does not hold all of space, but begins at the cell `origins` (levels, 3), steps are made
+    while their middles lie in it.
     The start's own cell is left out, and before `end` half the node, which is where its own surfaces lie, or its cell
     and another: they are what the light comes from and goes to, each up to half a cell behind its point.
     """
@@ -110,16 +112,22 @@ def cone_transmittance(geometry: Sequence[np.ndarray], start, end, node_size) ->
     along = np.take_along_axis(start, axis, axis=-1)[:, 0]
     last = distance * longest - np.maximum(LEFT_OUT, 0.5 * np.asarray(node_size)) - 0.25  # never half-way by rounding
     passed, travelled, level = np.ones(len(start)), np.full(len(start), 0.5), np.zeros(len(start), dtype=int)
+    origins = np.zeros((len(geometry), 3), dtype=int) if origins is None else np.asarray(origins)
     while (inside := travelled < last).any():
         width = 2.0**level
         middle = start + towards * (SHORT * (travelled + 0.5 * width) / longest)[:, None]
+        stepped = np.zeros(len(start), dtype=bool)
         for i, shares in enumerate(geometry):
-            here = inside & (level == i)
-            cell = np.clip(np.floor(middle[here] / 2**i).astype(int), 0, shares.shape[0] - 1)
-            blocked = np.sum(shares[cell[:, 2], cell[:, 1], cell[:, 0]] * np.abs(towards[here]), axis=-1)
+            cell = np.floor(middle / 2**i).astype(int) - origins[i]
+            held = np.all((cell >= 0) & (cell < shares.shape[0]), axis=-1) | (i == len(geometry) - 1)
+            here = inside & (level == i) & held
+            x, y, z = np.clip(cell[here], 0, shares.shape[0] - 1).T
+            blocked = np.sum(shares[z, y, x] * np.abs(towards[here]), axis=-1)
             passed[here] *= 1.0 - np.minimum(blocked / longest[here], 1.0)
-        travelled = travelled + width
-        wider = (travelled < last) & (travelled >= 2.0 * CONE_LENGTH * width * longest) & (level < len(geometry) - 1)
+            stepped |= here
+        travelled = travelled + np.where(stepped, width, 0.0)
+        long_enough = travelled >= 2.0 * CONE_LENGTH * width * longest
+        wider = (travelled < last) & (long_enough | ~stepped) & (level < len(geometry) - 1)
         level = level + wider
         travelled -= np.where(wider, (along + sense * travelled) % 2.0**level, 0.0)
     return passed

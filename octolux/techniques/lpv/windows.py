@@ -1,4 +1,4 @@
-"""Nested windows on the device: where each lies in its level, and where it gives way to the next."""
+"""Nested windows on the device: where each lies in its level, and where its light is read."""
 
 from __future__ import annotations
 
@@ -11,10 +11,9 @@ from ...gpu.bindings import Binding, uniform
 from ...gpu.layout import Struct
 from ...simulator.lpv.cascades import Window
 
-# origin: the window's first cell, counted in its level. low, high: by how many cells more than it
-# has there it goes on before its light gives way to that of the next window: far where it ends with the whole volume.
+# As simulator/lpv/cascades.py's Window.
 WINDOW = Struct("Window", origin="vec3i", low="vec3f", high="vec3f")
-_FAR = 1e6
+_FAR = 1e6  # cells: beyond any volume
 
 
 def windows_binding(count: int) -> Binding:
@@ -25,10 +24,10 @@ def pack_windows(windows: Sequence[Window]) -> np.ndarray:
     packed = WINDOW.array(len(windows))
     for entry, window in zip(packed, windows, strict=True):
         entry["origin"] = window.origin
-        entry["low"], entry["high"] = (np.where(ends, _FAR, 0.0) for ends in (window.at_low, window.at_high))
+        entry["low"], entry["high"] = np.maximum(window.low, -_FAR), np.minimum(window.high, _FAR)
     return packed
 
 
 def one_window() -> Any:
     """The window of a volume that is whole."""
-    return pack_windows([Window((0, 0, 0), 1, (True,) * 3, (True,) * 3)])
+    return pack_windows([Window((0, 0, 0), 1, (-_FAR,) * 3, (_FAR,) * 3)])

@@ -15,7 +15,8 @@ class CascadedLpvSettings(LpvSettings):
 
     n: int = setting(
         32, meaning="cells along each side of each cascade", unit="cells", allowed=(16, 32, 64),
-        cost="memory and steps grow with n^3, gathering about with n^2; more resolves smaller bounces", source="CLPV 4, 6",
+        cost="memory and steps grow with n^3, gathering about with n^2; more resolves smaller bounces",
+        source="CLPV 4, 6",
     )  # fmt: skip
     cascades: int = setting(
         3, meaning="nested grids, each with cells half as large as the next; the last is around the scene", unit="",

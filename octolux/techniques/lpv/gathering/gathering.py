@@ -59,7 +59,8 @@ class Gathering:
     def _make_node_passes(self) -> None:
         n, device, count = self.n, self.device, self.levels.windows
         light, moments = storage("injected", "vec4f"), storage("moments", "vec4f")
-        windows, values = windows_binding(count), {"n": n, "windows": count, "row": ROW}
+        windows = windows_binding(count)
+        values: dict[str, Any] = {"n": n, "windows": count, "row": ROW}
         self._begin = ComputePass(
             device, "moments", "techniques/lpv/gathering/moments.wgsl",
             [light, storage_rw("moments", "vec4f", "write"), windows], structs=[WINDOW], workgroup=(4, 4, 4), **values,

@@ -21,11 +21,8 @@ fn place_in(window: u32, seen: SeenPlace) -> vec3f {
 
 {% if windows > 1 %}
 fn share_of(window: u32, place: vec3f) -> f32 {
-    let low = place + windows[window].low;
-    let high = {{ n }}.0 - place + windows[window].high;
-    let room = min(min(low.x, min(low.y, low.z)), min(high.x, min(high.y, high.z)));
-    let inside = all(place >= vec3f(0.0)) && all(place <= vec3f({{ n }}.0));
-    return select(0.0, saturate((room - 1.0) * {{ 1 / transition }}), inside);
+    let room = min(place - windows[window].low, windows[window].high - place);
+    return saturate(min(room.x, min(room.y, room.z)) * {{ 1 / transition }});
 }
 {% endif %}
 

@@ -1,0 +1,194 @@
+"""Gathering through nested windows on the device against the simulator's: injection, surfels, nodes, cells, lookup."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from gpu_tools import one_stage, random_directions, read_buffer
+from test_lookup import GRID as BOX
+from test_lookup import gbuffer
+from test_octree_gathering import HALF_FLOAT, STORED, packed
+
+from octolux.frame.structs import VPL
+from octolux.gpu.records import record_texture
+from octolux.simulator.camera import pack_normals, unpack_normals
+from octolux.simulator.grid import Grid
+from octolux.simulator.lpv import cascades, gathering, geometry
+from octolux.simulator.lpv import injection as injection_reference
+from octolux.simulator.lpv.octree import level_sizes
+from octolux.techniques.lpv.constants import pack_grids, storage_scale
+from octolux.techniques.lpv.gathering.gathering import Gathering
+from octolux.techniques.lpv.geometry import GeometryVolume
+from octolux.techniques.lpv.injection import Injection, VplSource
+from octolux.techniques.lpv.levels import Levels
+from octolux.techniques.lpv.windows import pack_windows
+
+N, COUNT = 16, 3
+VOLUME = Grid(BOX.origin, 2.0 / N, N)  # the box of test_lookup's G-buffer
+WINDOWS = cascades.place_windows(N, COUNT, VOLUME, [c + 0.9 for c in BOX.origin], [0.6, 0.0, 0.8])
+GRIDS = cascades.grids_of(WINDOWS, VOLUME)
+LEVELS = Levels([N] * (COUNT - 1) + level_sizes(N), COUNT)
+
+
+def uniforms(device):
+    """Of grids and windows."""
+    return device.uniform("grids", pack_grids(GRIDS)), device.uniform("windows", pack_windows(WINDOWS))
+
+
+def finest(points: np.ndarray, shift: np.ndarray) -> np.ndarray:
+    """Number of the finest grid that holds each of `points`, moved by `shift` of its cells; COUNT for none."""
+    number = np.full(len(points), COUNT)
+    for i in reversed(range(COUNT)):
+        number[GRIDS[i].inside(points + GRIDS[i].cell_size * shift)] = i
+    return number
+
+
+def random_vpls(count: int) -> np.ndarray:
+    """VPLs in and a little beyond the volume, none within float32's rounding of a cell's face."""
+    rng, vpls = np.random.default_rng(1), VPL.array(count)
+    vpls["normal"] = pack_normals(random_directions(rng, count))
+    fine = rng.integers(-8, 4 * N + 8, (count, 3)) + rng.uniform(0.01, 0.99, (count, 3))
+    vpls["position"] = VOLUME.origin + VOLUME.cell_size / 4 * fine
+    vpls["flux"], vpls["area"] = rng.uniform(0.1, 1, (count, 3)), 0.02 * VOLUME.cell_size**2
+    return vpls
+
+
+def safe(vpls: np.ndarray, shift: float) -> np.ndarray:
+    """Those whose cells no rounding decides."""
+    normals, kept = unpack_normals(vpls["normal"]), np.ones(len(vpls), bool)
+    for grid in GRIDS:
+        off = grid.to_cells(vpls["position"]) + shift * normals
+        kept &= np.all(np.abs(off - np.rint(off)) > 1e-3, axis=-1)
+    return vpls[kept]
+
+
+@pytest.mark.parametrize("every", [False, True])
+def test_injection_into_the_finest_or_every_grid(device, every):
+    """As the simulator's in each grid, of the VPLs that are its own. Rounding: half a step each (test_injection.py)."""
+    vpls = safe(random_vpls(4000), 0.5)
+    made = Injection(device, N, grids=COUNT, every=every)
+    source = VplSource(0, len(vpls), vpls["flux"].sum(axis=0, dtype=np.float64))
+    with one_stage(device) as stage:
+        texture = record_texture(device, "vpls", VPL, len(vpls), vpls)
+        made.run(stage, uniforms(device)[0], texture, [source])
+    found = read_buffer(device, made.injected).reshape(COUNT, N, N, N, 3, 4)
+    normals = unpack_normals(vpls["normal"])
+    owner = finest(vpls["position"].astype(np.float64), 0.5 * normals)
+    step = 2.0**-30 * len(vpls) * vpls["flux"].sum(axis=0).max()
+    for i, grid in enumerate(GRIDS):
+        own = np.ones(len(vpls), bool) if every else owner == i
+        expected = injection_reference.inject(
+            vpls["position"][own].astype(np.float64), normals[own], vpls["flux"][own].astype(np.float64), grid
+        )
+        np.testing.assert_allclose(found[i], expected, rtol=1e-5, atol=step)
+        assert np.count_nonzero(expected[..., 0, 0]) > 20
+
+
+def test_surfels_of_the_finest_grid_and_of_coarser_ones(device):
+    """Each in the finest grid that holds it, others from their children; as in test_octree_geometry.py."""
+    vpls = safe(random_vpls(20000), -geometry.BEHIND)
+    made = GeometryVolume(device, LEVELS, camera=False)
+    frame = SimpleNamespace(
+        vpls=record_texture(device, "vpls", VPL, len(vpls), vpls), lights=SimpleNamespace(lamps=1),
+        vpl_ranges=[(0, len(vpls))], vpl_widths=[64],
+    )  # fmt: skip
+    with one_stage(device) as stage:
+        made.run(stage, frame, *uniforms(device))
+    flat = read_buffer(device, made.shares).reshape(-1, 4)[:, :3]
+    normals, positions = unpack_normals(vpls["normal"]), vpls["position"].astype(np.float64)
+    owner, areas = finest(positions, -geometry.BEHIND * normals), vpls["area"].astype(np.float64)
+    own = [geometry.inject_surfels(positions[owner == i], normals[owner == i], areas[owner == i], grid)
+           for i, grid in enumerate(GRIDS)]  # fmt: skip
+    most = np.bincount(owner).max() / N**3 * 50  # far more than any cell has
+    for found, expected in zip(LEVELS.split(flat), blocked_levels(own), strict=True):
+        np.testing.assert_allclose(found, expected, rtol=1e-5, atol=most * 0.5 / 65536)
+
+
+def blocked_levels(own: list[np.ndarray]) -> list[np.ndarray]:
+    """Shares of all levels from what each window has of its own, at most 1 everywhere."""
+    levels = cascades.nested_levels(own, WINDOWS, 0.25)
+    result = [own[0]]
+    for i in range(1, COUNT):
+        result.append(np.minimum(cascades.nested_levels([result[-1], own[i]], WINDOWS[i - 1 :], 0.25)[1], 1.0))
+    result += geometry.geometry_levels(result[-1])[1:]
+    assert len(result) == len(levels)
+    return result
+
+
+def scattered_light(seed: int) -> list[np.ndarray]:
+    """Float32 [z][y][x][rgb][4] of each window where no finer one is: mixes of lobes in a twentieth of the cells."""
+    rng, result = np.random.default_rng(seed), []
+    for i in range(COUNT):
+        light = np.zeros((N, N, N, 3, 4))
+        light[..., 0] = rng.uniform(0.1, 2, (N, N, N, 3)) * 4.0**i
+        directions = random_directions(rng, N**3 * 3).reshape(N, N, N, 3, 3)
+        light[..., 1:] = directions * (light[..., :1] * rng.uniform(0, 2 / np.sqrt(3), (N, N, N, 3, 1)))
+        light *= rng.random((N, N, N, 1, 1)) < 0.05
+        if i:
+            x, y, z = np.array(WINDOWS[i - 1].origin) // 2 - WINDOWS[i].origin
+            light[z : z + N // 2, y : y + N // 2, x : x + N // 2] = 0.0
+        result.append(light.astype(np.float32))
+    return result
+
+
+@pytest.mark.parametrize("density", [None, 0.05, 0.5])
+def test_every_window_gathers(device, density):
+    """Cells of all windows, in their middle and at their rims, without and with surfaces between."""
+    own, rng = scattered_light(2), np.random.default_rng(3)
+    made = Gathering(device, LEVELS, occlusion=density is not None, lookup_offset=0.5, everywhere=True)
+    words, blockers = None, None
+    if density is not None:
+        shares = [rng.uniform(0.0, 1.0, (N, N, N, 3)) * (rng.random((N, N, N, 1)) < density) for _ in range(COUNT)]
+        words, blockers = packed([*shares, *geometry.geometry_levels(shares[-1])[1:]])
+    injected = np.zeros((LEVELS.cells, 3, 4), np.float32)
+    injected[: COUNT * N**3] = np.concatenate([light.reshape(-1, 3, 4) for light in own])
+    peak = injected[:, :, 0].max()
+    grids, windows = uniforms(device)
+    frame = gbuffer(device).frame
+    with one_stage(device) as stage:
+        made.update(stage, device.buffer("injected", injected), windows)
+        packed_shares = device.buffer("shares", words) if words is not None else None
+        made.gather(stage, frame, grids, device.buffer("peak", np.array([peak], np.float32)), packed_shares, windows)
+    layout = {"bytes_per_row": N * 8, "rows_per_image": N * COUNT}
+    data = device.queue.read_texture({"texture": made.cube}, layout, (N, COUNT * N, 6 * N))
+    cube = np.frombuffer(data, np.float16).reshape(6, N, COUNT, N, N, 4).astype(np.float64)[..., :3]
+    nodes, origins = cascades.window_nodes(own, WINDOWS), [w.origin for w in WINDOWS]
+    for base, window in enumerate(WINDOWS):
+        local = np.concatenate([[(0, 0, 0), (N - 1, 3, N - 1)], rng.integers(0, N, (15, 3))])
+        options = {"base": base, "origins": origins, "n": N}
+        expected, free = (
+            gathering.gather(local + window.origin, nodes, 1.0, b, **options) for b in (blockers, None)
+        )  # fmt: skip
+        found = np.moveaxis(cube[:, local[:, 2], base, local[:, 1], local[:, 0]], 0, 1) / storage_scale(peak)
+        brightest = free.max(axis=1, keepdims=True)
+        assert np.all(np.abs(found - expected) <= HALF_FLOAT * expected + (STORED + 2.0**-12) * brightest)
+        assert expected.max() > 0 and (density is None or np.median(expected[free > 0] / free[free > 0]) < 0.99)
+
+
+def test_lookup_blends_windows(device):
+    """Each window's cells hold a number of their own on all faces: what is read is their mean by the windows'
+    weights."""
+    made, g = Gathering(device, LEVELS, occlusion=False, lookup_offset=0.5, everywhere=True), gbuffer(device)
+    placed = cascades.place_windows(N, COUNT, VOLUME, g.points[g.inside][0], [0.0, 0.0, 0.0])
+    places_of = cascades.grids_of(placed, VOLUME)
+    grids = device.uniform("grids", pack_grids(places_of))
+    windows = device.uniform("windows", pack_windows(placed))
+    usage = made.cube.usage
+    values = np.ones((6 * N, COUNT, N, N, 4), np.float16)
+    values[..., :3] = (np.array([1.0, 3.0, 7.0]) * [grid.cell_size**2 for grid in places_of])[None, :, None, None, None]
+    made.cube = device.texture("cube", made.cube.size, "rgba16float", usage=usage | 2, dimension="3d")
+    layout = {"bytes_per_row": N * 8, "rows_per_image": N * COUNT}
+    device.queue.write_texture({"texture": made.cube}, values, layout, made.cube.size)
+    irradiance = device.texture("irradiance", g.frame.pixels, "rgba32float", usage=usage)
+    one = device.buffer("peak", np.array([8.0], np.float32))  # a scale of 1
+    with one_stage(device) as stage:
+        made.read(stage, g.frame, grids, one, irradiance, windows)
+    read = device.read_texture(irradiance, np.float32, 4)[..., 0][g.inside]
+    places = np.array([grid.to_cells(g.points[g.inside]) + 0.5 * g.geometric[g.inside] for grid in places_of])
+    shares = cascades.weights(places, placed, N)
+    # Cell sizes' squares are rounded to half floats, places to 1e-4 cells, over a transition of two cells.
+    expected = shares.T @ [1.0, 3.0, 7.0]
+    np.testing.assert_allclose(read, expected, rtol=HALF_FLOAT + 1e-5, atol=4.0 * 1e-4 / cascades.transition(N))
+    assert all(np.any((s > 0) & (s < 1)) for s in shares[:2])
