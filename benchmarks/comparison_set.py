@@ -68,7 +68,8 @@ SET = (
     View("cornell_area", "cornell_area", "front"),
     View("sponza_sunpoint", "sponza_sunpoint", "nave"),
     View("atrium", "atrium", "hall", _OURS),
-    View("corridor", "corridor", "far", _OURS, leaks=True),
+    # Light comes round a corner there: with few paths a lit pixel is black now and then, and would count as dark.
+    View("corridor", "corridor", "far", (256, 512), leaks=True),
     View("two_rooms", "two-rooms", "lit", _OURS),
     # Black in every sample: the room is sealed.
     View("two_rooms_dark", "two-rooms", "dark", (4, 4), leaks=True, lit_by="two_rooms"),
