@@ -32,8 +32,8 @@ class EmitterLight(PointLight):
 
 
 @dataclass(frozen=True, eq=False)
-class _Patches:
-    """Glowing triangles: corners float64 (n, 3, 3), counter-clockwise where they shine to; radiance (n, 3), nits."""
+class GlowingPatches:
+    """Triangles: corners float64 (n, 3, 3), counter-clockwise where they shine to; radiance (n, 3), nits."""
 
     corners: np.ndarray
     radiance: np.ndarray
@@ -47,8 +47,8 @@ class _Patches:
         """float64 (n, 3): pi times radiance times area."""
         return pi * self.radiance * np.linalg.norm(self.normals(), axis=1)[:, None]
 
-    def chosen(self, which: np.ndarray) -> _Patches:
-        return _Patches(self.corners[which], self.radiance[which])
+    def chosen(self, which: np.ndarray) -> GlowingPatches:
+        return GlowingPatches(self.corners[which], self.radiance[which])
 
 
 def emitter_lights(scene: Scene, count: int) -> list[EmitterLight]:
@@ -56,7 +56,7 @@ def emitter_lights(scene: Scene, count: int) -> list[EmitterLight]:
 
     Patches are parted by the way they face and by place: the part with most flux is halved until there are enough.
     """
-    patches = _patches(scene)
+    patches = glowing_patches(scene)
     if not count or not len(patches.corners):
         return []
     patches = _subdivided(patches, count)
@@ -70,7 +70,8 @@ def emitter_lights(scene: Scene, count: int) -> list[EmitterLight]:
     return [_light(part) for part in parts]
 
 
-def _patches(scene: Scene) -> _Patches:
+def glowing_patches(scene: Scene) -> GlowingPatches:
+    """The triangles of all area lights and glowing surfaces, those of double-sided ones on both sides."""
     found = [_quadrilateral(light) for light in scene.lights if isinstance(light, AreaLight)]
     glowing = {n: _glow(m) for n, m in enumerate(scene.materials) if max(m.emissive) > 0}
     for instance in scene.instances:
@@ -82,15 +83,15 @@ def _patches(scene: Scene) -> _Patches:
         if np.linalg.det(transform[:3, :3]) < 0:
             corners = corners[:, ::-1]
         sides = [corners, corners[:, ::-1]] if scene.materials[mesh.material].double_sided else [corners]
-        found += [_Patches(side, np.tile(glowing[mesh.material], (len(side), 1))) for side in sides]
+        found += [GlowingPatches(side, np.tile(glowing[mesh.material], (len(side), 1))) for side in sides]
     return _joined(found)
 
 
-def _joined(patches: Iterable[_Patches]) -> _Patches:
+def _joined(patches: Iterable[GlowingPatches]) -> GlowingPatches:
     patches = [p for p in patches if len(p.corners)]
     if not patches:
-        return _Patches(np.zeros((0, 3, 3)), np.zeros((0, 3)))
-    joined = _Patches(np.concatenate([p.corners for p in patches]), np.concatenate([p.radiance for p in patches]))
+        return GlowingPatches(np.zeros((0, 3, 3)), np.zeros((0, 3)))
+    joined = GlowingPatches(np.concatenate([p.corners for p in patches]), np.concatenate([p.radiance for p in patches]))
     return joined.chosen(joined.flux().sum(axis=1) > 0)
 
 
@@ -110,12 +111,13 @@ def _mean_linear(channel: np.ndarray) -> float:
     return float(counts @ srgb_decode(np.arange(256) / 255.0) / channel.size)
 
 
-def _quadrilateral(light: AreaLight) -> _Patches:
+def _quadrilateral(light: AreaLight) -> GlowingPatches:
     a, b, c, d = (np.asarray(corner, dtype=np.float64) for corner in light.corners)
-    return _Patches(np.array([[a, b, c], [a, c, d]]), np.tile(np.asarray(light.radiance, dtype=np.float64), (2, 1)))
+    radiance = np.tile(np.asarray(light.radiance, dtype=np.float64), (2, 1))
+    return GlowingPatches(np.array([[a, b, c], [a, c, d]]), radiance)
 
 
-def _subdivided(patches: _Patches, count: int) -> _Patches:
+def _subdivided(patches: GlowingPatches, count: int) -> GlowingPatches:
     """Triangles with more than half of a light's share of the flux are cut into four, so that all parts can be even."""
     while True:
         flux = patches.flux() @ LUMINANCE
@@ -125,11 +127,11 @@ def _subdivided(patches: _Patches, count: int) -> _Patches:
         a, b, c = np.moveaxis(patches.corners[large], 1, 0)
         ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
         quarters = [np.stack(corners, axis=1) for corners in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]
-        cut = _Patches(np.concatenate(quarters), np.tile(patches.radiance[large], (4, 1)))
+        cut = GlowingPatches(np.concatenate(quarters), np.tile(patches.radiance[large], (4, 1)))
         patches = _joined([patches.chosen(~large), cut])
 
 
-def _halves(parts: list[_Patches], number: int, part: _Patches) -> list[_Patches] | None:
+def _halves(parts: list[GlowingPatches], number: int, part: GlowingPatches) -> list[GlowingPatches] | None:
     """All parts, with `part` cut in two: by the way it faces if it faces both ways, else across its longest side."""
     if len(part.corners) < 2:
         return None
@@ -147,7 +149,7 @@ def _halves(parts: list[_Patches], number: int, part: _Patches) -> list[_Patches
     return [*parts[:number], *parts[number + 1 :], part.chosen(first), part.chosen(~first)]
 
 
-def _light(part: _Patches) -> EmitterLight:
+def _light(part: GlowingPatches) -> EmitterLight:
     flux, normals = part.flux(), part.normals()
     weight = (flux @ LUMINANCE)[:, None]
     facing = (normals / np.linalg.norm(normals, axis=1)[:, None] * weight).sum(axis=0) / weight.sum()

@@ -67,12 +67,23 @@ def _texture(device: Device, label: str, format: str, texels: int, data: np.ndar
     usage = wgpu.TextureUsage.STORAGE_BINDING | wgpu.TextureUsage.COPY_DST | wgpu.TextureUsage.COPY_SRC
     made = device.texture(label, (1 << _ROW_BITS, rows), format, usage=usage)
     if data is not None:
-        row_bytes = (16 if format == _FORMAT else 4) << _ROW_BITS
-        padded = np.zeros(rows * row_bytes, np.uint8)
-        padded[: data.nbytes] = data.view(np.uint8)
-        layout = {"bytes_per_row": row_bytes, "rows_per_image": rows}
-        device.queue.write_texture({"texture": made}, padded, layout, made.size)
+        _write(device, made, (16 if format == _FORMAT else 4) << _ROW_BITS, data)
     return made
+
+
+def _write(device: Device, texture: Any, row_bytes: int, data: np.ndarray) -> None:
+    """Whole rows, the last filled up with zeros."""
+    rows = -(-data.nbytes // row_bytes)
+    padded = np.zeros(rows * row_bytes, np.uint8)
+    padded[: data.nbytes] = data.view(np.uint8)
+    layout = {"bytes_per_row": row_bytes, "rows_per_image": rows}
+    device.queue.write_texture({"texture": texture}, padded, layout, (1 << _ROW_BITS, rows, 1))
+
+
+def write_records(device: Device, texture: Any, data: np.ndarray) -> None:
+    """Write structs (1D) over the first ones of a texture that has room for them."""
+    if len(data):
+        _write(device, texture, 16 << _ROW_BITS, data)
 
 
 def read_records(device: Device, texture: Any, kind: Struct, count: int) -> np.ndarray:
