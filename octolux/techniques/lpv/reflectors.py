@@ -1,0 +1,121 @@
+"""What the geometry volume's surfaces reflect, on the device (simulator/lpv/reflectors.py)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...frame.frame import Frame
+from ...frame.structs import VIEW, VPL, views_binding
+from ...frame.traits import PIXEL_STRUCTS, TRAIT_VALUES, pixel_bindings, pixel_resources
+from ...gpu.bindings import storage, storage_rw, texture, uniform
+from ...gpu.device import Device, DeviceError
+from ...gpu.limits import DEFAULT_LIMITS
+from ...gpu.passes import ComputePass
+from ...gpu.records import records, words
+from ...gpu_scene.structs import INSTANCE
+from ...simulator.environment import LUMINANCE
+from ...simulator.lpv.reflectors import MOST_WALLS
+from ...simulator.rsm import MIN_COSINE
+from .constants import GRID, grids_binding
+from .geometry import SURFELS
+from .injection import RUN, atomic_words, walks
+from .levels import Levels
+from .surfels import surfel_buffers
+
+_ONE = 1 << 16  # fixed point of shares, as the geometry volume's
+# Of albedo times area. A walk of RUN surfels of MOST_WALLS each stays below 2^32.
+_TINT_ONE = 1 << 20
+_AT_ONCE = 4  # buffers that have sums of their own, if they fit in one binding
+
+
+class Reflectors:
+    """`reflectors`: vec4f x 3 a cell [level][z][y][x]: the shares of its cross section that face +x, -x, +y, -y | +z,
+    -z, 0, 0 | the mean albedo, linear, and its luminance; 0 where no surface lies.
+
+    levels: as the geometry volume's. Only its windows are filled, each surfel in the finest that holds it, or in
+    `every` one that does; the coarser levels are the caller's.
+    offset: cells by which a surfel counts before its surface, along the normal: 0.5 is where inject.wgsl puts VPLs,
+    -BEHIND (simulator/lpv/geometry.py) where the geometry volume has shares.
+    camera: the G-buffer's surfaces count besides those that lights see.
+    A technique that has one needs "rsm" and "surfaces". Raises DeviceError for more cells than fit in a binding.
+    """
+
+    def __init__(self, device: Device, levels: Levels, offset: float, camera: bool = True, *, every: bool = False):
+        self.device, self._camera, self._layers = device, camera, levels.windows if every else 1
+        self._cells = cells = levels.windows * levels.sizes[0] ** 3
+        room = DEFAULT_LIMITS["max-storage-buffer-binding-size"]
+        if levels.cells * 48 > room:
+            raise DeviceError(f"Reflectors of {levels.cells} cells do not fit in a binding. Use a smaller n.")
+        self._at_once = min(_AT_ONCE, room // (cells * 24))
+        self.reflectors = device.buffer("LPV reflectors", size=levels.cells * 48)
+        self._sums = device.buffer("LPV reflector sums", size=self._at_once * cells * 24)
+        self._tints = device.buffer("LPV reflector sums", size=cells * 32)
+        self._surfels: list[Any] = []
+        bindings = [uniform("surfels", SURFELS), grids_binding(levels.windows), atomic_words("sums", "u32"),
+                    atomic_words("tints", "u32")]  # fmt: skip
+        values: dict[str, Any] = {
+            "run": RUN, "grids": levels.windows, "every": every, "offset": offset, "min_cosine": MIN_COSINE,
+            "one": _ONE, "tint_one": _TINT_ONE, "most_walls": MOST_WALLS, **TRAIT_VALUES,
+        }  # fmt: skip
+        self._from_vpls = ComputePass(
+            device, "reflectors of an RSM", "techniques/lpv/reflectors_rsm.wgsl",
+            [*bindings, records("vpls", VPL), words("surfaces")], structs=[SURFELS, GRID, INSTANCE, VPL],
+            workgroup=(64, 1, 1), **values,
+        )  # fmt: skip
+        self._from_gbuffer = ComputePass(
+            device, "reflectors of the G-buffer", "techniques/lpv/reflectors_gbuffer.wgsl",
+            [*bindings, views_binding(), texture("depth_map"), *pixel_bindings()],
+            structs=[SURFELS, GRID, VIEW, *PIXEL_STRUCTS], workgroup=(64, 1, 1), **values,
+        )  # fmt: skip
+        self._merges: dict[tuple[int, bool, bool], ComputePass] = {}
+
+    def _merging(self, buffers: int, first: bool, last: bool) -> ComputePass:
+        """The pass that merges the sums of so many buffers, the first or last of a frame among them. A software adapter
+        has to be told beforehand what it need not read."""
+        key = (buffers, first, last)
+        if key not in self._merges:
+            tints = [storage("tints", "vec4u")] if last else []
+            self._merges[key] = ComputePass(
+                self.device, "merge reflectors", "techniques/lpv/reflectors_merge.wgsl",
+                [storage("sums", "vec2u"), storage_rw("reflectors", "vec4f"), *tints], workgroup=(64, 1, 1),
+                buffers=buffers, first=first, last=last, cells=self._cells, one=_ONE,
+                luminance=", ".join(map(str, LUMINANCE)),
+            )  # fmt: skip
+        return self._merges[key]
+
+    def run(self, stage: Any, frame: Frame, grids: Any) -> None:
+        """From the RSM of each lamp and the G-buffer. Shares are merged by maximum, as each may have seen the same
+        surface (CLPV 3.2); the albedo is the mean of all. grids: uniform buffer of GRID, one for each window."""
+        buffers = list(surfel_buffers(frame, self._camera))
+        stage.encoder.clear_buffer(self._tints)
+        if not buffers:
+            stage.encoder.clear_buffer(self.reflectors, 0, self._cells * 48)
+        for start in range(0, len(buffers), self._at_once):
+            group = buffers[start : start + self._at_once]
+            stage.encoder.clear_buffer(self._sums, 0, len(group) * self._cells * 24)
+            for number, (of_camera, where) in enumerate(group, start):
+                self._scatter(stage, frame, grids, number, of_camera, where)
+            last = start + len(group) == len(buffers)
+            tints = {"tints": self._tints} if last else {}
+            merge = self._merging(len(group), start == 0, last)
+            merge.run(stage, (self._cells,), sums=self._sums, reflectors=self.reflectors, **tints)
+
+    def _scatter(
+        self, stage: Any, frame: Frame, grids: Any, number: int, of_camera: bool, where: dict[str, int]
+    ) -> None:
+        surfels, threads = self._surfels_buffer(number, where), (walks(where["count"], where["width"]), self._layers)
+        common = {"surfels": surfels, "grids": grids, "sums": self._sums, "tints": self._tints}
+        if of_camera:
+            self._from_gbuffer.run(
+                stage, threads, **common, views=frame.buffers["views"], depth_map=frame.targets.depth,
+                **pixel_resources(frame),
+            )  # fmt: skip
+        else:
+            self._from_vpls.run(stage, threads, **common, vpls=frame.vpls, surfaces=frame.vpl_surfaces)
+
+    def _surfels_buffer(self, number: int, where: dict[str, int]) -> Any:
+        """A uniform buffer for each buffer of a frame: all are written before the first pass runs."""
+        if number == len(self._surfels):
+            self._surfels.append(self.device.uniform("LPV surfels", SURFELS.array(1)))
+        self.device.write(self._surfels[number], SURFELS.pack(sums=number % self._at_once * self._cells, **where))
+        return self._surfels[number]

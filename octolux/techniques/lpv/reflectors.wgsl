@@ -1,0 +1,96 @@
+// Reflectors (simulator/lpv/reflectors.py): of each surfel the shares of its cell's cross section that face the six
+// directions, summed for each buffer, and its albedo times its area, summed over all buffers, both in fixed point.
+//
+// A thread walks down {{ run }} surfels of a map's column and scatters what it has added up when it meets a third cell, as
+// inject.wgsl does and for its reasons. Each surfel is rounded by itself, so the sums have the same bits in any order.
+{{ use("shaders/traits.wgsl") }}
+{{ use("techniques/lpv/cell_in_grids.wgsl") }}
+
+struct Surfel { position: vec3f, normal: vec3f, area: f32 } // no area: nothing is there
+struct Place { cell: u32, per_area: f32 } // over the cell's cross section
+
+// Up to a whole wall along each axis, towards its upper and its lower end; red, green, blue and area.
+struct Sums { upper: vec3u, lower: vec3u, tint: vec4u }
+
+fn place_of(only: u32, position: vec3f, normal: vec3f) -> Place {
+    {% if every %}
+    let size = grids[only].cell_size;
+    return Place(cell_of_grid(only, position, {{ offset }} * normal), 1.0 / (size * size));
+    {% else %}
+    let cell = finest_cell(position, {{ offset }} * normal);
+    let grid = cell / (grids[0].n * grids[0].n * grids[0].n);
+    var size = grids[0].cell_size;
+    {% for i in range(1, grids) %}
+    size = select(size, grids[{{ i }}].cell_size, grid == {{ i }}u);
+    {% endfor %}
+    return Place(cell, 1.0 / (size * size));
+    {% endif %}
+}
+
+fn sums_of(surfel: Surfel, albedo: vec3f, per_area: f32) -> Sums {
+    let walls = surfel.area * per_area;
+    let upper = {{ one }}.0 * min(vec3f(1.0), max(vec3f(0.0), surfel.normal) * walls);
+    let lower = {{ one }}.0 * min(vec3f(1.0), max(vec3f(0.0), -surfel.normal) * walls);
+    let tint = vec4f(albedo, 1.0) * (min({{ most_walls }}.0, walls) * {{ tint_one }}.0);
+    return Sums(vec3u(round(upper)), vec3u(round(lower)), vec4u(round(tint)));
+}
+
+fn sum_of(a: Sums, b: Sums, taken: bool) -> Sums {
+    return Sums(a.upper + select(vec3u(0u), b.upper, taken), a.lower + select(vec3u(0u), b.lower, taken),
+                a.tint + select(vec4u(0u), b.tint, taken));
+}
+
+// A walk that brings a whole wall closes the cell: more would only come nearer to 2^32.
+fn add_share(at: u32, share: u32) {
+    if share > 0u && atomicLoad(&sums[at]) < {{ one }}u { atomicAdd(&sums[at], min(share, {{ one }}u)); }
+}
+
+// A mean has no bound at which more does not count: sums have 64 bits, the lower word first.
+fn add_tint(at: u32, value: u32) {
+    if value > 0u {
+        let before = atomicAdd(&tints[at], value);
+        if before > 0xffffffffu - value { atomicAdd(&tints[at + 1u], 1u); }
+    }
+}
+
+fn scatter(cell: u32, sum: Sums) {
+    let at = 6u * (surfels.sums + cell);
+    {% for axis in range(3) %}
+    add_share(at + {{ 2 * axis }}u, sum.upper[{{ axis }}]);
+    add_share(at + {{ 2 * axis + 1 }}u, sum.lower[{{ axis }}]);
+    {% endfor %}
+    {% for k in range(4) %}
+    add_tint(8u * cell + {{ 2 * k }}u, sum.tint[{{ k }}]);
+    {% endfor %}
+}
+
+@compute @workgroup_size({{ workgroup }})
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let start = id.x / surfels.width * ({{ run }}u * surfels.width) + id.x % surfels.width;
+    if start >= surfels.count { return; }
+    let steps = min({{ run }}u, (surfels.count - 1u - start) / surfels.width + 1u);
+    var i = 0u;
+    loop {
+        var one = NOWHERE;
+        var other = NOWHERE;
+        var of_one = Sums();
+        var of_other = Sums();
+        loop {
+            let number = start + i * surfels.width;
+            let surfel = surfel_at(number);
+            let place = place_of(id.y, surfel.position, surfel.normal);
+            let used = surfel.area > 0.0 && place.cell != NOWHERE;
+            one = select(one, place.cell, used && one == NOWHERE);
+            other = select(other, place.cell, used && place.cell != one && other == NOWHERE);
+            if used && place.cell != one && place.cell != other { break; }
+            let sums = sums_of(surfel, unpack_traits(traits_at(number)).albedo, place.per_area);
+            of_one = sum_of(of_one, sums, used && place.cell == one);
+            of_other = sum_of(of_other, sums, used && place.cell == other);
+            i++;
+            if i >= steps { break; }
+        }
+        if one != NOWHERE { scatter(one, of_one); }
+        if other != NOWHERE { scatter(other, of_other); }
+        if i >= steps { break; }
+    }
+}
