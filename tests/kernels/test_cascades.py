@@ -145,12 +145,12 @@ def test_every_window_gathers(device, density):
     injected = np.zeros((LEVELS.cells, 3, 4), np.float32)
     injected[: COUNT * N**3] = np.concatenate([light.reshape(-1, 3, 4) for light in own])
     peak = injected[:, :, 0].max()
-    grids, windows = uniforms(device)
-    frame = gbuffer(device).frame
+    windows = uniforms(device)[1]
     with one_stage(device) as stage:
+        made.forget(stage)
         made.update(stage, device.buffer("injected", injected), windows)
         packed_shares = device.buffer("shares", words) if words is not None else None
-        made.gather(stage, frame, grids, device.buffer("peak", np.array([peak], np.float32)), packed_shares, windows)
+        made.gather(stage, device.buffer("peak", np.array([peak], np.float32)), packed_shares, windows)
     layout = {"bytes_per_row": N * 8, "rows_per_image": N * COUNT}
     data = device.queue.read_texture({"texture": made.cube}, layout, (N, COUNT * N, 6 * N))
     cube = np.frombuffer(data, np.float16).reshape(6, N, COUNT, N, N, 4).astype(np.float64)[..., :3]

@@ -63,8 +63,10 @@ def run(device, made: Gathering, light: np.ndarray, words=None) -> tuple[np.ndar
     width, height = frame.pixels
     irradiance = device.texture("irradiance", (width, height), "rgba32float", usage=made.cube.usage)
     with one_stage(device) as stage:
+        made.forget(stage)
         made.update(stage, buffers[0])
-        made.gather(stage, frame, grid, buffers[1], blockers)
+        made.mark(stage, frame, grid)
+        made.gather(stage, buffers[1], blockers)
         made.read(stage, frame, grid, buffers[1], irradiance)
     layout = {"bytes_per_row": N * 8, "rows_per_image": N}
     data = device.queue.read_texture({"texture": made.cube}, layout, (N, N, 6 * N))

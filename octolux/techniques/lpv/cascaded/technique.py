@@ -66,13 +66,15 @@ class CascadedLpv(Technique):
                 self.geometry.run(stage, frame, self._grids_buffer, self._windows_buffer)
                 self.geometry.pack(stage)
         with profiler.stage("downsampling") as stage:
+            self.gathering.forget(stage)
             self.gathering.update(stage, self.injection.injected, self._windows_buffer)
 
     def shade(self, frame: Frame) -> None:
         peak, windows = self.injection.peak, self._windows_buffer
         with frame.profiler.stage("propagation") as stage:
             shares = self.geometry.packed if self.geometry else None
-            self.gathering.gather(stage, frame, self._grids_buffer, peak, shares, windows)
+            self.gathering.mark(stage, frame, self._grids_buffer, windows)
+            self.gathering.gather(stage, peak, shares, windows)
         with frame.profiler.stage("lookup") as stage:
             self.gathering.read(stage, frame, self._grids_buffer, peak, self._irradiance, windows)
 

@@ -31,19 +31,24 @@ class Gathering:
     faces of each cell that was asked for: rgba16float, the windows behind one another in y and the faces in z, as
     transfer.DIRECTIONS are.
 
-    everywhere: all cells are filled, not only those that surfaces are looked up in.
+    `marks` are 1 (u32, [window][z][y][x]) where a cell is asked for.
+
+    everywhere: all cells are filled, not only those that surfaces are looked up in. shares_first: number of the cell in
+    the geometry volume's buffer that level 0 begins with.
     """
 
-    def __init__(self, device: Device, levels: Levels, *, occlusion: bool, lookup_offset: float, everywhere: bool):
+    def __init__(
+        self, device: Device, levels: Levels, *, occlusion: bool, lookup_offset: float, everywhere: bool = False,
+        shares_first: int = 0,
+    ):  # fmt: skip
         self.device, self.levels, self.n = device, levels, levels.sizes[0]
+        self._shares_first = shares_first
         n, cells = self.n, levels.windows * self.n**3
         self._occlusion, self._everywhere = occlusion, everywhere
         self.nodes = record_texture(device, "LPV nodes", NODE, levels.cells)
         self._moments = device.buffer("LPV moments", size=levels.cells * 16)
-        self._kept = {
-            "marks": device.buffer("LPV marked cells", size=cells * 4),
-            "filled": device.buffer("LPV filled cells", size=cells // 8),  # a bit a cell, two words a block of 4^3
-        }
+        self.marks = device.buffer("LPV marked cells", size=cells * 4)
+        self._filled = device.buffer("LPV filled cells", size=cells // 8)  # a bit a cell, two words a block of 4^3
         self.cube = device.texture(
             "LPV irradiance cube", (n, levels.windows * n, 6 * n), "rgba16float", usage=TEXTURE | STORAGE | COPY,
             dimension="3d",
@@ -78,7 +83,7 @@ class Gathering:
             structs=[NODE, WINDOW], workgroup=(64, 1, 1), levels=used, candidates=512 + 216 * (used - 1),
             occlusion=self._occlusion, everywhere=self._everywhere, spread=gathering.SPREAD,
             cone_length=geometry.CONE_LENGTH, left_out=geometry.LEFT_OUT, short=geometry.SHORT, opaque=_OPAQUE,
-            bits=n.bit_length() - 1, **values,
+            bits=n.bit_length() - 1, shares_first=self._shares_first, **values,
         )  # fmt: skip
 
     def _make_lookup_passes(self, lookup_offset: float) -> None:
@@ -103,13 +108,18 @@ class Gathering:
             structs=[VIEW, GRID, WINDOW], least=_LEAST, **values,
         )  # fmt: skip
 
-    def update(self, stage: Any, injected: Any, windows: Any = None) -> None:
-        """Make the nodes, and the coarser levels of `injected`, W/sr, in which each window has what no finer one holds;
-        forget what was gathered from those before. windows: uniform buffer of WINDOW, where there are several."""
-        windows = windows or self.whole
-        for name in ("marks", "filled"):
-            stage.encoder.clear_buffer(self._kept[name])
+    def forget(self, stage: Any) -> None:
+        """No cell is filled, or asked for."""
+        stage.encoder.clear_buffer(self.marks)
+        stage.encoder.clear_buffer(self._filled)
         self._clear.run(stage, self.cube.size, cube_out=self.cube)
+
+    def update(self, stage: Any, injected: Any, windows: Any = None) -> None:
+        """Make the nodes, and the coarser levels of `injected`, W/sr, in which each window has what no finer one
+        holds; all that is asked for is to be gathered anew. windows: uniform buffer of WINDOW, where there are
+        several."""
+        windows = windows or self.whole
+        stage.encoder.clear_buffer(self._filled)
         self._begin.run(
             stage, (self.n, self.n, self.n * self.levels.windows), injected=injected, moments=self._moments,
             windows=windows,
@@ -120,17 +130,17 @@ class Gathering:
             stage, self.levels.rows, injected=injected, moments=self._moments, nodes=self.nodes
         )
 
-    def gather(
-        self, stage: Any, frame: Frame, grids: Any, peak: Any, packed_shares: Any, windows: Any = None
-    ) -> None:
-        """Fill the cells that the frame's pixels look up, if they are not filled yet."""
-        kept, windows = self._kept, windows or self.whole
-        self._mark.run(stage, frame.pixels, **self._seen(frame, grids, windows), marks=kept["marks"])
+    def mark(self, stage: Any, frame: Frame, grids: Any, windows: Any = None) -> None:
+        """Ask for the cells that the frame's pixels look up."""
+        self._mark.run(stage, frame.pixels, **self._seen(frame, grids, windows or self.whole), marks=self.marks)
+
+    def gather(self, stage: Any, peak: Any, packed_shares: Any, windows: Any = None) -> None:
+        """Fill the cells that have been asked for, if they are not filled yet."""
         blockers = {"geometry": packed_shares} if self._occlusion else {}
         cells = Levels([self.n] * self.levels.windows)
         self._gather.run(
-            stage, cells.rows, nodes=self.nodes, moments=self._moments, **kept, peak=peak, cube_out=self.cube,
-            windows=windows, **blockers,
+            stage, cells.rows, nodes=self.nodes, moments=self._moments, marks=self.marks, filled=self._filled,
+            peak=peak, cube_out=self.cube, windows=windows or self.whole, **blockers,
         )  # fmt: skip
 
     def read(self, stage: Any, frame: Frame, grids: Any, peak: Any, irradiance: Any, windows: Any = None) -> None:

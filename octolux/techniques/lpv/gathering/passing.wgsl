@@ -20,7 +20,7 @@ fn passing(point: vec3f, towards: vec3f, distance: f32, node_size: f32, base: u3
     let per_step = longest / select(vec3f(1e-6), towards, sizes > vec3f(1e-6)); // cells travelled to go one along each axis
     {% endif %}
     var bits = {{ bits }}u; // of a coordinate
-    var first = {{ "%du * base"|format(n**3) if windows > 1 else "0u" }};
+    var first = {{ "%du * base"|format(n**3) if windows > 1 else "%du"|format(shares_first) }};
     loop {
         travelled -= width * fract((along + sense * travelled) / width); // back to a face of this level
         {% if windows > 1 %}

@@ -80,6 +80,7 @@ class OctreeLpv(Technique):
                     self.geometry.pack(stage)
         with profiler.stage("downsampling") as stage:
             if self.settings.propagation == "gather":
+                self.gathering.forget(stage)
                 self.gathering.update(stage, self.injection.injected)
             else:
                 self.downsampling.run(stage, self.injection.injected)
@@ -95,7 +96,8 @@ class OctreeLpv(Technique):
             return
         with frame.profiler.stage("propagation") as stage:
             shares = self.geometry.packed if self.geometry else None
-            self.gathering.gather(stage, frame, self._grid_buffer, peak, shares)
+            self.gathering.mark(stage, frame, self._grid_buffer)
+            self.gathering.gather(stage, peak, shares)
         with frame.profiler.stage("lookup") as stage:
             self.gathering.read(stage, frame, self._grid_buffer, peak, self._irradiance)
 
