@@ -177,6 +177,7 @@ def test_records_are_made_anew_when_their_scene_changes_and_only_then(device):
     assert [s.count for s in lights.sources] == [100, first[1].count]
     lights.sync(frame_of(scene_of([], lights=[SQUARE, SQUARE]), moves=1), NESTED)
     found = read_records(device, lights.texture, EMITTED, lights.sources[0].count)
-    np.testing.assert_allclose(found["flux"].sum(axis=0, dtype=np.float64), 8 * pi * np.array([1.0, 2.0, 3.0]), rtol=1e-5)
+    flux = found["flux"].sum(axis=0, dtype=np.float64)
+    np.testing.assert_allclose(flux, 8 * pi * np.array([1.0, 2.0, 3.0]), rtol=1e-5)
     lights.sync(frame_of(scene_of([])), NESTED)
     assert lights.sources == []

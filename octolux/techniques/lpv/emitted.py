@@ -9,7 +9,7 @@ import numpy as np
 
 from ...frame.emitters import glowing_patches
 from ...frame.frame import Frame
-from ...gpu.bindings import storage_rw, uniform
+from ...gpu.bindings import Binding, storage_rw, uniform
 from ...gpu.device import Device
 from ...gpu.layout import Struct
 from ...gpu.passes import ComputePass
@@ -107,31 +107,34 @@ class EmittedInjection:
 
     def __init__(self, device: Device, n: int, *, grids: int = 1, every: bool = False):
         self.device = device
-        self._cells, self._layers = grids * n**3, grids if every else 1
-        self._sums = device.buffer("LPV emitted sums", size=self._cells * 48)
+        self._layers = grids if every else 1
+        self._sums = device.buffer("LPV emitted sums", size=grids * n**3 * 48)
         self._sources: list[Any] = []
-        source = uniform("source", SOURCE)
-        self._inject = ComputePass(
-            device, "inject emitted light", "techniques/lpv/emitted.wgsl",
-            [source, grids_binding(grids), records("emitted", EMITTED), atomic_words("sums", "i32")],
-            structs=[SOURCE, GRID, EMITTED], workgroup=(64, 1, 1), grids=grids, every=every, **SH_CONSTANTS,
-        )  # fmt: skip
-        self._collect = ComputePass(
-            device, "collect emitted light", "techniques/lpv/collect.wgsl",
-            [source, storage_rw("sums", "vec4i"), storage_rw("injected", "vec4f"), atomic_words("peak", "u32")],
-            structs=[SOURCE], workgroup=(64, 1, 1),
-        )  # fmt: skip
+        bindings = [uniform("source", SOURCE), grids_binding(grids), records("emitted", EMITTED)]
+
+        def made(label: str, collect: bool, more: Sequence[Binding]) -> ComputePass:
+            return ComputePass(
+                device, f"{label} emitted light", "techniques/lpv/emitted.wgsl",
+                [*bindings, atomic_words("sums", "i32"), *more],
+                structs=[SOURCE, GRID, EMITTED], workgroup=(64, 1, 1), grids=grids, every=every, collect=collect,
+                **SH_CONSTANTS,
+            )  # fmt: skip
+
+        self._scatter = made("inject", False, ())
+        self._collect = made("collect", True, (storage_rw("injected", "f32"), atomic_words("peak", "u32")))
 
     def run(self, stage: Any, grids: Any, lights: EmittedLights, injected: Any, peak: Any) -> None:
         """Add the light. grids: uniform buffer of GRID, one for each.  injected, peak: as `Injection` leaves them."""
+        shared = {"grids": grids, "emitted": lights.texture, "sums": self._sums}
         used = 0
         for group in group_sources(lights.sources):
-            for packed in group.pack():
-                buffer = self._source_buffer(used, packed)
-                used += 1
+            ranges = [(self._source_buffer(used + i, packed), packed) for i, packed in enumerate(group.pack())]
+            used += len(ranges)
+            for source, packed in ranges:
+                self._scatter.run(stage, (int(packed["count"][0]), self._layers), source=source, **shared)
+            for source, packed in ranges:
                 threads = (int(packed["count"][0]), self._layers)
-                self._inject.run(stage, threads, source=buffer, grids=grids, emitted=lights.texture, sums=self._sums)
-            self._collect.run(stage, (self._cells,), source=buffer, sums=self._sums, injected=injected, peak=peak)
+                self._collect.run(stage, threads, source=source, injected=injected, peak=peak, **shared)
 
     def _source_buffer(self, number: int, packed: np.ndarray) -> Any:
         """A uniform buffer for each dispatch of a frame: all are written before the first of them runs."""

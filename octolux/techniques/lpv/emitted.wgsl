@@ -1,7 +1,13 @@
 // Injection of low-frequency direct light (CLPV 3.1; simulator/lpv/emitted.py): particles, glowing patches, surroundings. A
 // thread a record: neighbours in the list rarely share a cell, so that there is nothing to be added up first (inject.wgsl).
-{{ use("shaders/octahedral.wgsl") }}
+{% if collect %}
+// When all records of a group are in the fixed-point sums: to W/sr, added to the light that is there. Few cells have a
+// record, so that they are found by the records: of those that share a cell one takes its sum, and leaves 0 to the others
+// and to the next group. Keeps the largest band-0 coefficient (its bits order like integers, as it is never negative).
+{% else %}
 {{ use("shaders/sh.wgsl") }}
+{% endif %}
+{{ use("shaders/octahedral.wgsl") }}
 {{ use("techniques/lpv/cell_in_grids.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
@@ -11,6 +17,21 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let beam = record.beam * unpack_unit_vector(record.axis);
     let cell = {{ "cell_of_grid(id.y, " if every else "finest_cell(" }}record.position, 0.5 * beam);
     if cell == NOWHERE { return; }
+    {% if collect %}
+    {% for channel in range(3) %}{% for k in range(4) %}
+    {
+        let at = 12u * cell + {{ 4 * channel + k }}u;
+        let sum = atomicExchange(&sums[at], 0);
+        if sum != 0 {
+            let light = injected[at] + f32(sum) * source.to_intensity[{{ channel }}];
+            injected[at] = light;
+            {% if k == 0 %}
+            if bitcast<u32>(light) > atomicLoad(&peak[0]) { atomicMax(&peak[0], bitcast<u32>(light)); }
+            {% endif %}
+        }
+    }
+    {% endfor %}{% endfor %}
+    {% else %}
     let shape = vec4f(SH_COSINE_LOBE_0, SH_COSINE_LOBE_1 * beam.yzx);
     let flux = record.flux * source.scale;
     {% for channel in range(3) %}
@@ -18,4 +39,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     {% for k in range(4) %}
     if c{{ channel }}[{{ k }}] != 0 { atomicAdd(&sums[12u * cell + {{ 4 * channel + k }}u], c{{ channel }}[{{ k }}]); }
     {% endfor %}{% endfor %}
+    {% endif %}
 }
