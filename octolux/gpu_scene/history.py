@@ -33,7 +33,7 @@ class InstanceHistory:
         self._syncs = 0
         self._drawn: Drawn | None = None
         self._transforms = np.zeros((0, 4, 4))
-        self._materials: list[Material | None] = []
+        self._materials: list[Material | None] = []  # of each drawn instance
         self._changed = np.zeros(0, np.int64)  # the sync in which each drawn instance last changed
 
     @property
@@ -51,35 +51,45 @@ class InstanceHistory:
         used = [materials[slot.mesh.material] if materials else None for slot in drawn.slots]
         old = np.full(len(used), -1) if before is None else _known_again(before, drawn)
         known = np.flatnonzero(old >= 0)
-        changed = np.full(len(old), self._syncs - MOVING_SYNCS, np.int64)  # who appears is static
-        changed[known] = self._changed[old[known]]
-        moved = np.zeros(len(old), bool)
-        moved[known] = (transforms[known] != self._transforms[old[known]]).any(axis=(1, 2))
-        forgotten = len(known) < len(old) or bool(np.delete(was_static, old[known]).any())
-        for i, j in zip(known.tolist(), old[known].tolist(), strict=True):
-            moved[i] |= before is not None and _reshaped(before, j, drawn, i)
-            forgotten |= bool(was_static[j]) and (moved[i] or used[i] is not self._materials[j])
+        old = old[known]
+        changed = np.full(len(used), self._syncs - MOVING_SYNCS, np.int64)  # who appears is static
+        changed[known] = self._changed[old]
+        moved, forgotten = np.zeros(len(used), bool), np.zeros(len(was_static), bool)
+        if before is not None:
+            moved[known] = (transforms[known] != self._transforms[old]).any(axis=(1, 2))
+            moved[known] |= _reshaped(before, old, drawn, known)
+            forgotten[old] = moved[known] | (_ids(self._materials)[old] != _ids(used)[known])
+            forgotten |= np.bincount(old, minlength=len(forgotten)) == 0  # vanished
         changed[moved] = self._syncs
-        self.static_version += int(forgotten)
+        self.static_version += bool(len(known) < len(used) or (forgotten & was_static).any())
         self._drawn, self._transforms, self._materials, self._changed = drawn, transforms, used, changed
+
+
+def _ids(objects: Sequence[object]) -> np.ndarray:
+    """Identities, to compare many at once; of objects that are kept alive."""
+    return np.fromiter(map(id, objects), np.int64, len(objects))
 
 
 def _known_again(before: Drawn, now: Drawn) -> np.ndarray:
     """int64 (drawn now,): the number of each instance among those drawn before, -1 for those that were not."""
-    by_place = {int(place): j for j, place in enumerate(before.numbers)}
-    by_object = {id(instance): j for j, instance in enumerate(before.instances)}
-    result = np.full(len(now.instances), -1)
-    for i, (place, instance) in enumerate(zip(now.numbers, now.instances, strict=True)):
-        j = by_place.get(int(place), -1)
-        here = j >= 0 and before.instances[j] is instance  # an object may be listed twice
-        result[i] = j if here else by_object.get(id(instance), -1)
-    taken = set(result.tolist())
-    for new in np.flatnonzero(result < 0):
-        j = by_place.get(int(now.numbers[new]), -1)
-        result[new] = -1 if j in taken else j
+    by_place = {place: j for j, place in enumerate(before.numbers.tolist())}
+    result = np.array([by_place.get(place, -1) for place in now.numbers.tolist()], np.int64)
+    objects, here = _ids(before.instances), np.flatnonzero(result >= 0)
+    others = np.ones(len(result), bool)  # than those that stand where they stood; an object may be listed twice
+    others[here] = objects[result[here]] != _ids(now.instances)[here]
+    by_object = {number: j for j, number in enumerate(objects.tolist())} if others.any() else {}
+    found = {i: by_object.get(id(now.instances[i]), -1) for i in np.flatnonzero(others).tolist()}
+    taken = {*result[~others].tolist(), *found.values()}
+    for i, j in found.items():
+        replaced = j < 0 and int(result[i]) not in taken
+        result[i] = result[i] if replaced else j
     return result
 
 
-def _reshaped(before: Drawn, j: int, now: Drawn, i: int) -> bool:
-    a, b = before.slots[j].mesh, now.slots[i].mesh
-    return a.positions is not b.positions or a.indices is not b.indices
+def _reshaped(before: Drawn, old: np.ndarray, now: Drawn, new: np.ndarray) -> np.ndarray:
+    """bool: whether the mesh of instances `new` has other positions or triangles than that of `old` before."""
+    result = _ids(before.slots)[old] != _ids(now.slots)[new]
+    for k in np.flatnonzero(result):
+        a, b = before.slots[old[k]].mesh, now.slots[new[k]].mesh
+        result[k] = a.positions is not b.positions or a.indices is not b.indices
+    return result
