@@ -7,11 +7,12 @@ from typing import Any
 from ..gpu.bindings import Binding, sampler, storage_texture, texture, uniform
 from ..gpu.device import Device
 from ..gpu.passes import ComputePass
+from .area_lights import AreaLightBuffers, AreaLights, area_lights
 from .environment import SurroundingsMap
 from .frame import Frame
 from .lights import KINDS, Counts
 from .shader_values import CONSTANTS
-from .structs import ENVIRONMENT, LIGHT, SKY_PICK, VIEW, lights_binding, views_binding
+from .structs import AREA_LIGHT, ENVIRONMENT, LIGHT, SKY_PICK, VIEW, lights_binding, views_binding
 from .views import CUBE_FACES
 
 # Up to so many lights are unrolled; more would make the shader long to build.
@@ -22,61 +23,74 @@ _SKY_PARTS, _LEAST_OF_SKY = 4, 8
 
 
 class DirectLightPass:
-    """The glTF BRDF under the sky, emitters and every directional, spot and point light: radiance in nits. A pass is
-    built for each number of lights of each kind, and kept."""
+    """The glTF BRDF under the sky, area lights, emitters and every directional, spot and point light: radiance in nits.
+    A pass is built for each number of lights of each kind, and kept."""
 
     def __init__(self, device: Device):
         self.device = device
         self._sky_pick = device.uniform("sky pick", SKY_PICK.array(1))
-        self._variants: dict[Counts, ComputePass] = {}
+        self._area_lights: AreaLightBuffers | None = None  # made when there are any
+        self._variants: dict[tuple[Counts, tuple[int, ...]], ComputePass] = {}
 
-    def _variant(self, counts: Counts) -> ComputePass:
-        if counts not in self._variants:
-            self._variants[counts] = ComputePass(
+    def _variant(self, counts: Counts, areas: AreaLights) -> ComputePass:
+        key = (counts, areas.emitters)
+        if key not in self._variants:
+            self._variants[key] = ComputePass(
                 self.device, "direct light", "frame/direct.wgsl",
                 [
                     views_binding(), lights_binding(), texture("surface_map", "uint"), texture("depth_map"),
                     texture("shadow_maps", "depth", "2d-array"), sampler("shadow_sampler", "non-filtering"),
-                    storage_texture("direct_out", "rgba32float"), *_soft_bindings(counts),
+                    storage_texture("direct_out", "rgba32float"), *_soft_bindings(counts, areas),
                 ],
-                structs=[VIEW, LIGHT, ENVIRONMENT, SKY_PICK], shadows=True, **_groups(counts), **CONSTANTS,
+                structs=[VIEW, LIGHT, ENVIRONMENT, SKY_PICK, AREA_LIGHT], shadows=True, **_groups(counts, areas),
+                **AreaLightBuffers.values(), **CONSTANTS,
             )  # fmt: skip
-        return self._variants[counts]
+        return self._variants[key]
 
     def run(self, frame: Frame, shadow_sampler: Any, surroundings: SurroundingsMap) -> None:
-        counts = frame.lights.counts
+        counts, areas = frame.lights.counts, area_lights(frame.lights.emitters)
         more = {"coarse_maps": frame.coarse_maps} if any(counts[3:]) else {}
         if counts[4]:
             step = min(_SKY_PARTS, frame.samples, max(1, counts[4] // _LEAST_OF_SKY))
             self.device.write(self._sky_pick, SKY_PICK.pack(sample=frame.sample, step=step))
             more |= {"sky_pick": self._sky_pick, **surroundings.resources}
+        if areas.emitters:
+            self._area_lights = self._area_lights or AreaLightBuffers(self.device)
+            more |= {**self._area_lights.write(areas), "brdf_table": surroundings.resources["brdf_table"]}
         with frame.profiler.stage("direct light") as stage:
-            self._variant(counts).run(
+            self._variant(counts, areas).run(
                 stage, frame.pixels, surface_map=frame.targets.surface, depth_map=frame.targets.depth,
                 shadow_maps=frame.shadow_maps, shadow_sampler=shadow_sampler, direct_out=frame.targets.direct,
                 views=frame.buffers["views"], lights=frame.buffers["lights"], **more,
             )  # fmt: skip
 
 
-def _soft_bindings(counts: Counts) -> list[Binding]:
-    """What emitters and the sky need beside the other lights."""
+def _soft_bindings(counts: Counts, areas: AreaLights) -> list[Binding]:
+    """What emitters, area lights and the sky need beside the other lights."""
     maps = [texture("coarse_maps", "depth", "2d-array")] if any(counts[3:]) else []
-    return maps + ([uniform("sky_pick", SKY_PICK), *SurroundingsMap.bindings()] if counts[4] else [])
+    sky = [uniform("sky_pick", SKY_PICK), *SurroundingsMap.bindings()] if counts[4] else []
+    lamps = AreaLightBuffers.bindings() if areas.emitters else []
+    return maps + sky + lamps + ([texture("brdf_table")] if lamps and not sky else [])
 
 
-def _groups(counts: Counts) -> dict[str, Any]:
+def _groups(counts: Counts, areas: AreaLights) -> dict[str, Any]:
     """For the template: `groups`, for each kind in the order of the lights but the sky its name, first light, number of
-    lights, first view, views of each; and where the sky's lights and views, and the coarse maps' views, begin."""
+    lights, first view, views of each, without emitters that stand for area lights; for each of these, in `areas`, its
+    first emitter and how many; and where the emitters', the sky's and the coarse maps' lights and views begin."""
     groups: list[tuple[str, int, int, int, int]] = []
     light, view = 0, 1  # view 0 is the camera
     values: dict[str, Any] = {"emitters": counts[3], "sky": counts[4], "coarse": counts[3] + counts[4]}
     for kind, count in zip(KINDS, counts, strict=True):
         views_each = CUBE_FACES if kind in ("point", "emitter") else 1
         if kind == "emitter":
-            values["coarse_view"] = view
+            values |= {"emitter_light": light, "coarse_view": view}
         if kind == "sky":
             values |= {"sky_first": light, "sky_view": view}
         else:
-            groups.append((kind, light, count, view, views_each))
+            groups.append((kind, light, areas.points if kind == "emitter" else count, view, views_each))
         light, view = light + count, view + count * views_each
-    return {**values, "groups": groups, "unrolled": sum(counts[:4]) <= _UNROLLED}
+    firsts = areas.packed["first"].tolist()
+    return {
+        **values, "groups": groups, "areas": list(zip(firsts, areas.emitters, strict=True)),
+        "cube_faces": CUBE_FACES, "unrolled": sum(counts[:4]) <= _UNROLLED,
+    }  # fmt: skip

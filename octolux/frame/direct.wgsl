@@ -1,4 +1,5 @@
-// Direct light of the sky and of every directional, spot and point light, with shadows: outgoing radiance towards the camera.
+// Direct light of the sky, of area lights and of every directional, spot and point light, with shadows: outgoing radiance
+// towards the camera.
 // A few lights are unrolled: with constant indices a software adapter reads lights and views once for all pixels.
 {{ use("shaders/view.wgsl") }}
 {{ use("shaders/brdf.wgsl") }}
@@ -37,15 +38,38 @@ fn from_point(p: Point, index: u32, first_view: u32) -> vec3f {
 }
 
 {% if emitters %}
+fn emitter_fraction(p: Point, light: Light, to_light: vec3f, first_view: u32) -> f32 {
+    let a = abs(to_light);
+    let footprint = light.texel * max(a.x, max(a.y, a.z));
+    return coarse_fraction(first_view + cube_face(-to_light), p.position, p.surface.geometric_normal, footprint);
+}
+
 fn from_emitter(p: Point, index: u32, first_view: u32) -> vec3f {
     let light = lights[index];
     let to_light = light.position - p.position;
+    let lit = emitter_fraction(p, light, to_light, first_view);
+    return reflected(p, normalize(to_light), emitter_illuminance(light, to_light), lit);
+}
+{% endif %}
+
+{% if areas %}
+{{ use("shaders/ltc.wgsl") }}
+
+// What an emitter that stands for an area light would bring, and what of it arrives; number is its own among the emitters.
+fn emitter_share(p: Point, number: u32) -> vec2f {
+    let light = lights[{{ emitter_light }}u + number];
+    let to_light = light.position - p.position;
     let l = normalize(to_light);
-    let a = abs(to_light);
-    let footprint = light.texel * max(a.x, max(a.y, a.z));
-    let face = first_view + cube_face(-to_light);
-    let lit = coarse_fraction(face, p.position, p.surface.geometric_normal, footprint);
-    return reflected(p, l, emitter_illuminance(light, to_light), lit);
+    let share = dot(emitter_illuminance(light, to_light), vec3f(1.0)) * max(dot(p.surface.normal, l), 0.0);
+    let lit = emitter_fraction(p, light, to_light, {{ coarse_view }}u + {{ cube_faces }}u * number);
+    return share * vec2f(1.0, select(0.0, lit, dot(p.surface.geometric_normal, l) > 0.0));
+}
+
+// The ratio estimator (frame/area_lights.py). Where all emitters are below the horizon and a part of the light is not,
+// nothing is known of its shadow, and it is taken to arrive: little light, from where the surface would hide it first.
+fn from_area(p: Point, lobe: Lobe, number: u32, share: vec2f) -> vec3f {
+    let lit = select(share.y / share.x, 1.0, share.x <= 0.0);
+    return lit * area_light_radiance(area_lights[number], p.position, p.to_eye, p.surface, lobe);
 }
 {% endif %}
 
@@ -119,5 +143,20 @@ fn main(@builtin(global_invocation_id) pixel: vec3u) {
     }
     {% endif %}
     {% endfor %}
+    {% if areas %}
+    let lobe = specular_lobe(surface, p.to_eye);
+    {% if unrolled %}
+    {% for first, count in areas %}
+    let share{{ loop.index0 }} = {% for i in range(count) %}{{ " + " if i }}emitter_share(p, {{ first + i }}u){% endfor %};
+    radiance += from_area(p, lobe, {{ loop.index0 }}u, share{{ loop.index0 }});
+    {% endfor %}
+    {% else %}
+    for (var i = 0u; i < {{ areas | length }}u; i++) {
+        var share = vec2f(0.0);
+        for (var k = 0u; k < area_lights[i].emitters; k++) { share += emitter_share(p, area_lights[i].first + k); }
+        radiance += from_area(p, lobe, i, share);
+    }
+    {% endif %}
+    {% endif %}
     textureStore(direct_out, pixel.xy, vec4f(radiance, 1.0));
 }

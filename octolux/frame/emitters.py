@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
 from PIL import Image as Pillow
 
+from ..scene.errors import OctoluxError
+from ..scene.geometry.quadrilaterals import flaw
 from ..scene.lights import AreaLight, PointLight
 from ..scene.materials import Material
 from ..scene.scene import Scene
@@ -24,11 +26,14 @@ class EmitterLight(PointLight):
     the rest alike in all directions: I(w) = intensity * (4 beam max(0, w.axis) + 1 - beam). A flat patch has a beam of
     1, a glowing ball of 0.  square_radius: of a disk of the patch's area, m^2, times beam; at a distance d on the axis
     the disk's illuminance is exactly I / (d^2 + square_radius), and a ball's is I / d^2.
+    lamp: the area light that the patch is a part of: what reaches a surface directly is then worked out from the area
+    light itself (frame/area_lights.py), and this light says what of it is in shadow, and is reflected by what it meets.
     """
 
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
     beam: float = 0.0
     square_radius: float = 0.0
+    lamp: AreaLight | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,28 +56,63 @@ class GlowingPatches:
         return GlowingPatches(self.corners[which], self.radiance[which])
 
 
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """Patches that one light stands for, all of `lamp`, the scene's light of that number, where that is not None."""
+
+    patches: GlowingPatches
+    lamp: AreaLight | None = None
+    number: int = -1
+
+    @property
+    def flux(self) -> float:
+        return float((self.patches.flux() @ LUMINANCE).sum())
+
+
 def emitter_lights(scene: Scene, count: int) -> list[EmitterLight]:
     """The area lights and glowing surfaces of `scene` as at most `count` lights that send out all their flux.
 
-    Patches are parted by the way they face and by place: the part with most flux is halved until there are enough.
+    Each area light is a part of its own; where there are more than fit, the weakest are one part together with the
+    glowing surfaces. The part with most flux is halved, by the way it faces and by place, until there are enough.
+    Lights without a lamp come first, then those of each area light in the scene's order. Raises OctoluxError for an
+    area light that is not flat or not convex.
     """
-    patches = glowing_patches(scene)
-    if not count or not len(patches.corners):
+    if not count:
         return []
-    patches = _subdivided(patches, count)
-    parts = [patches]
-    while len(parts) < count:
-        parts.sort(key=lambda part: -float((part.flux() @ LUMINANCE).sum()))
-        halves = next((h for n, p in enumerate(parts) if (h := _halves(parts, n, p))), None)
-        if halves is None:
+    parts = [part for part in _parts(scene, count) if len(part.patches.corners)]
+    least = 0.5 * sum(part.flux for part in parts) / count
+    parts = [replace(part, patches=_subdivided(part.patches, least)) for part in parts]
+    while parts and len(parts) < count:
+        parts.sort(key=lambda part: -part.flux)
+        found = next(((n, h) for n, p in enumerate(parts) if (h := _halves(p.patches))), None)
+        if found is None:
             break
-        parts = halves
+        number, halves = found
+        whole = parts.pop(number)
+        parts += [replace(whole, patches=half) for half in halves]
+    parts.sort(key=lambda part: part.number)
     return [_light(part) for part in parts]
+
+
+def _parts(scene: Scene, count: int) -> list[_Part]:
+    """A part for each area light, the strongest first, and one for all else that shines; at most `count`."""
+    lights = [(n, light) for n, light in enumerate(scene.lights) if isinstance(light, AreaLight)]
+    # Copies: a light that is in the scene twice is two lamps.
+    lamps = [_Part(_quadrilateral(light), replace(light), n) for n, light in lights]
+    lamps = sorted((part for part in lamps if part.flux > 0), key=lambda part: -part.flux)
+    glow = _surfaces(scene)
+    own = len(lamps) if len(lamps) + bool(len(glow.corners)) <= count else count - 1
+    return [*lamps[:own], _Part(_joined([glow, *(part.patches for part in lamps[own:])]))]
 
 
 def glowing_patches(scene: Scene) -> GlowingPatches:
     """The triangles of all area lights and glowing surfaces, those of double-sided ones on both sides."""
-    found = [_quadrilateral(light) for light in scene.lights if isinstance(light, AreaLight)]
+    return _joined([*(_quadrilateral(x) for x in scene.lights if isinstance(x, AreaLight)), _surfaces(scene)])
+
+
+def _surfaces(scene: Scene) -> GlowingPatches:
+    """The triangles of glowing surfaces."""
+    found = []
     glowing = {n: _glow(m) for n, m in enumerate(scene.materials) if max(m.emissive) > 0}
     for instance in scene.instances:
         mesh = scene.meshes[instance.mesh]
@@ -112,16 +152,18 @@ def _mean_linear(channel: np.ndarray) -> float:
 
 
 def _quadrilateral(light: AreaLight) -> GlowingPatches:
+    """Without a part that has no area. Raises OctoluxError for what is not flat or not convex."""
+    if problem := flaw(light.corners):
+        raise OctoluxError(f"The corners of the area light '{light.name}' {problem[0]}. {problem[1]}.")
     a, b, c, d = (np.asarray(corner, dtype=np.float64) for corner in light.corners)
     radiance = np.tile(np.asarray(light.radiance, dtype=np.float64), (2, 1))
-    return GlowingPatches(np.array([[a, b, c], [a, c, d]]), radiance)
+    return _joined([GlowingPatches(np.array([[a, b, c], [a, c, d]]), radiance)])
 
 
-def _subdivided(patches: GlowingPatches, count: int) -> GlowingPatches:
-    """Triangles with more than half of a light's share of the flux are cut into four, so that all parts can be even."""
+def _subdivided(patches: GlowingPatches, least: float) -> GlowingPatches:
+    """Triangles of more flux than `least`, half of a light's share, are cut into four: all parts can then be even."""
     while True:
-        flux = patches.flux() @ LUMINANCE
-        large = flux > 0.5 * flux.sum() / count
+        large = patches.flux() @ LUMINANCE > least
         if not large.any():
             return patches
         a, b, c = np.moveaxis(patches.corners[large], 1, 0)
@@ -131,8 +173,8 @@ def _subdivided(patches: GlowingPatches, count: int) -> GlowingPatches:
         patches = _joined([patches.chosen(~large), cut])
 
 
-def _halves(parts: list[GlowingPatches], number: int, part: GlowingPatches) -> list[GlowingPatches] | None:
-    """All parts, with `part` cut in two: by the way it faces if it faces both ways, else across its longest side."""
+def _halves(part: GlowingPatches) -> tuple[GlowingPatches, GlowingPatches] | None:
+    """The part cut in two: by the way it faces if it faces both ways, else across its longest side."""
     if len(part.corners) < 2:
         return None
     normals, flux = part.normals(), part.flux() @ LUMINANCE
@@ -146,10 +188,11 @@ def _halves(parts: list[GlowingPatches], number: int, part: GlowingPatches) -> l
         half = int(np.searchsorted(np.cumsum(flux[order]), 0.5 * flux.sum()))
         first = np.zeros(len(order), bool)
         first[order[: min(max(half, 1), len(order) - 1)]] = True
-    return [*parts[:number], *parts[number + 1 :], part.chosen(first), part.chosen(~first)]
+    return part.chosen(first), part.chosen(~first)
 
 
-def _light(part: GlowingPatches) -> EmitterLight:
+def _light(whole: _Part) -> EmitterLight:
+    part = whole.patches
     flux, normals = part.flux(), part.normals()
     weight = (flux @ LUMINANCE)[:, None]
     facing = (normals / np.linalg.norm(normals, axis=1)[:, None] * weight).sum(axis=0) / weight.sum()
@@ -159,7 +202,7 @@ def _light(part: GlowingPatches) -> EmitterLight:
     area = float(np.linalg.norm(normals, axis=1).sum())
     return EmitterLight(
         position=_vector(middle), intensity=_vector(flux.sum(axis=0) / (4.0 * pi)), axis=_vector(axis), beam=beam,
-        square_radius=beam * area / pi,
+        square_radius=beam * area / pi, lamp=whole.lamp,
     )  # fmt: skip
 
 

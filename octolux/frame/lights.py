@@ -46,6 +46,10 @@ class LightSet:
         return sum(self.counts[:3])
 
     @property
+    def emitters(self) -> list[EmitterLight]:
+        return [light for light in self.lights if isinstance(light, EmitterLight)]
+
+    @property
     def emitter_views(self) -> range:
         """Numbers of the emitters' views, the camera's being 0."""
         first = 1 + self.main_views

@@ -21,6 +21,12 @@ RASTER_VIEW_STRIDE = DEFAULT_LIMITS["min-uniform-buffer-offset-alignment"]
 LIGHT = Struct(
     "Light", position="vec3f", texel="f32", direction="vec3f", cos_outer="f32", color="vec3f", cone_slope="f32",
 )  # fmt: skip
+# An area light, for shaders/ltc.wgsl: a corner and three edges, clockwise seen from where it shines to; nits. It is
+# shadowed by so many `emitters`, from number `first` of them on.
+AREA_LIGHT = Struct(
+    "AreaLight", corner="vec3f", first="u32", edge0="vec3f", emitters="u32", edge1="vec3f", edge2="vec3f",
+    radiance="vec3f",
+)  # fmt: skip
 # A texel of an RSM as a light: position and normal (octahedral) in world space; flux it reflects (lm or W); area of
 # its surface (m^2, simulator/rsm.py's vpl_area), 0 where the light meets nothing.
 VPL = Struct("Vpl", position="vec3f", normal="u32", flux="vec3f", area="f32")

@@ -1,5 +1,6 @@
 // The surroundings: what is seen and reflected of them, and their irradiance (references: simulator/environment.py).
 // The maps are rgba32float, since the sun's nits are beyond 16 bits: filtered here, not by a sampler.
+{{ use("shaders/even_reflection.wgsl") }}
 
 fn environment_uv(d: vec3f) -> vec2f {
     let u = 0.5 + atan2(d.x, -d.z) / {{ 2 * pi }} + environment.turn;
@@ -44,15 +45,3 @@ fn environment_lobe(d: vec3f, alpha: f32) -> vec3f {
     return environment.radiance + mix(map_texel(uv, fine), map_texel(uv, coarse), fract(level));
 }
 {% endif %}
-
-// simulator/environment.py, brdf_table.
-fn even_reflection(roughness: f32, n_v: f32) -> vec3f {
-    let size = {{ brdf_table_size }}.0;
-    let at = clamp(vec2f(n_v, roughness) * size - 0.5, vec2f(0.0), vec2f(size - 1.0));
-    let low = vec2i(at);
-    let high = min(low + 1, vec2i({{ brdf_table_size - 1 }}));
-    let part = fract(at);
-    let upper = mix(textureLoad(brdf_table, low, 0), textureLoad(brdf_table, vec2i(high.x, low.y), 0), part.x);
-    let lower = mix(textureLoad(brdf_table, vec2i(low.x, high.y), 0), textureLoad(brdf_table, high, 0), part.x);
-    return mix(upper, lower, part.y).rgb;
-}
