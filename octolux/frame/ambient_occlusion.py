@@ -4,7 +4,7 @@ depth buffer shows nearby (GTAO; simulator/gtao.py)."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import pi
+from math import inf, pi
 from typing import Any
 
 from ..gpu.bindings import Binding, storage_texture, uniform
@@ -58,31 +58,32 @@ class AmbientOcclusion:
                 [*surfaces, _read("raw_map", "rg32float"), storage_texture("visibility_out", "r32float")],
                 structs=[VIEW], resolution=resolution, least_weight=LEAST_WEIGHT,
             )  # fmt: skip
-        self._raw: Any = None
+        self.raw: Any = None
         self.visibility: Any = None
 
     def prepare(self, pixels: tuple[int, int]) -> None:
-        """Allocate for pictures of this size: `visibility` is an r32float texture."""
+        """Allocate for pictures of this size: `visibility` is an r32float texture; `raw`, rg32float, holds visibility
+        and depth before the filter, where there is one."""
         if self.visibility is not None and self.visibility.size[:2] == pixels:
             return
         usage = STORAGE | TEXTURE | COPY
         self.visibility = self.device.texture("ambient visibility", pixels, "r32float", usage=usage)
         if self.filtered:
             raw = tuple(-(-n // self.resolution) for n in pixels)
-            self._raw = self.device.texture("ambient visibility", raw, "rg32float", usage=usage)
+            self.raw = self.device.texture("ambient visibility", raw, "rg32float", usage=usage)
 
     def run(self, stage: Any, frame: Frame, radius: float | None = None, **resources: Any) -> Any:
         """Write `visibility`, and return it. radius: metres, where no `radius_file` says it.  resources: what the
         radius file's bindings name. Raises OctoluxError when there is no radius, or it is not positive."""
         self.prepare(frame.pixels)
         if self._extent is not None:
-            if radius is None or not radius > 0.0:
+            if radius is None or not 0.0 < radius < inf:
                 raise OctoluxError(f"The radius of ambient occlusion is a positive length in metres, not {radius}.")
             self.device.write(self._extent, AO_EXTENT.pack(radius=radius))
             resources["ao_extent"] = self._extent
         t = frame.targets
         seen = {"views": frame.buffers["views"], "surface_map": t.surface, "depth_map": t.depth}
-        out = self._raw if self._filter else self.visibility
+        out = self.raw if self._filter else self.visibility
         self._horizons.run(stage, out.size[:2], **seen, **resources, visibility_out=out)
         if self._filter:
             self._filter.run(stage, frame.pixels, **seen, raw_map=out, visibility_out=self.visibility)

@@ -48,10 +48,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let pixels = reach / abs(metres);
         let g = vec2f(dot(geometric, u), dot(geometric, eye));
         let n = vec2f(dot(normal, u), dot(normal, eye));
-        let g_length = max(length(g), 1e-6);
-        let lean = g / g_length; // sine and cosine of the geometric normal's angle from the sight line, towards u
-        let tangent = lean.y * u - lean.x * eye;
-        let g_angle = atan2(lean.x, lean.y);
+        let g_angle = atan2(g.x, g.y); // of the geometric normal from the sight line, towards u
         let n_angle = atan2(n.x, n.y);
         let weight = max(length(n), 1e-6);
         {% for sign in (1, -1) %}
@@ -59,7 +56,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             let limit = {{ pi / 2 }} + min({{ sign }}.0 * g_angle, {{ sign }}.0 * n_angle);
             let start = fract(noise.y + {{ (2 * slice + loop.index0) * golden % 1 }});
             var highest = cos(limit);
-            var last = vec3f(0.0); // x, h and distance of the sample before
+            var last = vec3f(0.0); // the sample before: across and along the sight line (scaled alike), distance
             {% for step in range(steps) %}
             {
                 let t = ({{ step }}.0 + start) * {{ 1 / steps }};
@@ -70,20 +67,19 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
                 let d = (there - depth) * ray.direction
                     + moved.x * (view.origin_dx + there * view.direction_dx)
                     + moved.y * (view.origin_dy + there * view.direction_dy);
-                // Moved into the slice along the tangent plane, above which its height stays.
-                let x = dot(d, tangent);
-                let h = dot(d, geometric) / g_length;
+                // Moved into the slice along the tangent plane, above which its height stays, and abreast of where it is.
+                let aside = dot(d, u);
+                let place = vec2f(aside * g.y, dot(d, geometric) - aside * g.x);
                 let distance = select(1e30, length(d), there > 0.0 && all(vec2u(at) < size));
                 let within = distance < reach;
-                let cosine = (h * lean.y - x * lean.x) * inverseSqrt(x * x + h * h);
+                let cosine = place.y * inverseSqrt(dot(place, place));
                 highest = select(highest, max(highest, cosine), within);
                 // Straight from the sample before to one a little beyond the radius: cut at the radius.
                 let leaves = last.z < reach && !within && distance < {{ 1 + beyond / steps }} * reach;
                 let share = (reach - last.z) / (distance - last.z);
-                let cut = mix(last.xy, vec2f(x, h), share);
-                let cut_cosine = (cut.y * lean.y - cut.x * lean.x) * inverseSqrt(dot(cut, cut));
-                highest = select(highest, max(highest, cut_cosine), leaves);
-                last = vec3f(x, h, distance);
+                let cut = mix(last.xy, place, share);
+                highest = select(highest, max(highest, cut.y * inverseSqrt(dot(cut, cut))), leaves);
+                last = vec3f(place, distance);
             }
             {% endfor %}
             whole += weight * arc(limit, {{ sign }}.0 * n_angle);

@@ -24,9 +24,10 @@ which must not reach in.
 slice of each pixel takes one of them. (Lowering a sample's horizon with its distance, as is usual, is not this
 integral: it shortens the radius.)
 
-**Planes.** A pixel's centre lies up to half a pixel beside the slice. It is moved into the slice along the tangent
-plane, so it keeps its height over that plane: planes do not shadow themselves. The tangent plane is that of the
-geometric normal, which bounds the arcs; the shading normal weighs them, unless it faces away from the camera.
+**Planes.** A pixel's centre d lies up to half a pixel beside the slice, which is spanned by v and u. It is moved into
+it along the tangent plane and across u, so that it keeps its height d.g over that plane and its place d.u: then it
+lies at d.u along u and (d.g - d.u g.u) / g.v along v, and planes do not shadow themselves. g is the geometric normal,
+whose plane bounds the arcs; the shading normal weighs them, unless it faces away from the camera.
 """
 
 from __future__ import annotations
@@ -110,7 +111,7 @@ def _unit(v) -> np.ndarray:
 @dataclass(eq=False)
 class _Slice:
     """A slice through every pixel: u, the side of its turn; step, its pixels' way in the picture; reach, its radius;
-    the angle of the geometric normal from the sight line, and the length of that normal's part in the slice."""
+    pixels, the same in the picture; lean, the angle of the geometric normal from the sight line, towards u."""
 
     u: np.ndarray
     eye: np.ndarray
@@ -118,7 +119,6 @@ class _Slice:
     pixels: np.ndarray
     reach: np.ndarray
     lean: np.ndarray
-    length: np.ndarray
 
 
 class _Horizons:
@@ -135,19 +135,20 @@ class _Horizons:
         highest, far = lowest, (1.0 + BEYOND / self.steps) * cut.reach
         last = (np.zeros_like(highest),) * 3
         for j in range(self.steps):
-            x, h, distance = self._sample(cut, sign * np.maximum(cut.pixels * ((j + offset) / self.steps), 1.0))
+            away = np.maximum(cut.pixels * ((j + offset) / self.steps), 1.0)
+            across, along, distance = self._sample(cut, sign * away)
             within = distance < cut.reach
             leaves = (last[2] < cut.reach) & ~within & (distance < far)
             share = np.where(leaves, (cut.reach - last[2]) / np.where(leaves, distance - last[2], 1.0), 0.0)
-            edge = _over(last[0] + share * (x - last[0]), last[1] + share * (h - last[1]), cut)
-            highest = np.where(within, np.maximum(highest, _over(x, h, cut)), highest)
+            edge = _cosine(last[0] + share * (across - last[0]), last[1] + share * (along - last[1]))
+            highest = np.where(within, np.maximum(highest, _cosine(across, along)), highest)
             highest = np.where(leaves, np.maximum(highest, edge), highest)
-            last = (x, h, distance)
+            last = (across, along, distance)
             self._doubt(np.abs(distance / cut.reach - 1.0), np.abs(distance / far - 1.0))
         return np.minimum(highest, 1.0)
 
     def _sample(self, cut: _Slice, away: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Of the pixel so many pixels away: place along the tangent plane, height over it, and distance, metres."""
+        """Of the pixel so many pixels away: place across and along the sight line, and distance: metres."""
         place = self.grid + 0.5 + away[..., None] * cut.step
         self._doubt(np.abs(place - np.round(place)).min(axis=-1))
         height, width = self.seen.depth.shape
@@ -155,30 +156,32 @@ class _Horizons:
         inside = ((at >= 0) & (at < (width, height))).all(axis=-1)
         column, row = np.clip(at[..., 0], 0, width - 1), np.clip(at[..., 1], 0, height - 1)
         d = self.positions[row, column] - self.positions
-        tangent = np.cos(cut.lean)[..., None] * cut.u - np.sin(cut.lean)[..., None] * cut.eye
         distance = np.where(inside & (self.seen.depth[row, column] > 0.0), np.linalg.norm(d, axis=-1), 1e30)
-        return _dot(d, tangent), _dot(d, self.seen.geometric) / cut.length, distance
+        ahead, g = _dot(d, cut.u), self.seen.geometric
+        slope = np.where(self.seen.depth > 0.0, _dot(g, cut.eye), 1.0)
+        return ahead, (_dot(d, g) - ahead * _dot(g, cut.u)) / slope, distance
 
     def _doubt(self, *distances: np.ndarray) -> None:
         for distance in distances:
             self.margin = np.minimum(self.margin, distance)
 
 
-def _over(x: np.ndarray, h: np.ndarray, cut: _Slice) -> np.ndarray:
-    """Cosine of the angle from the sight line of what lies x along the tangent plane and h above it."""
-    return np.cos(np.arctan2(x, h) + cut.lean)
+def _cosine(across: np.ndarray, along: np.ndarray) -> np.ndarray:
+    length = np.hypot(across, along)
+    return along / np.where(length > 0.0, length, 1.0)
 
 
 def ambient_visibility(
-    seen: Seen, radius: Any, slices: int, steps: int, falloff: float = FALLOFF, noise: bool = True
+    seen: Seen, radius: Any, slices: int, steps: int, falloff: float = FALLOFF, noise: bool = True, resolution: int = 1
 ) -> tuple[np.ndarray, np.ndarray]:
     """Ambient visibility of every pixel, and how sure it is: float64 (height, width) twice.
 
-    radius: metres, a number or (height, width).  noise: as `tile_noise`, else all pixels alike.  The second array is
-    the least distance, in pixels, of a sample from the edge of its pixel, or of a sample from the radius in lengths of
-    it: where it is small, rounding may take another sample. Needs two rows and columns.
+    radius: metres, a number or (height, width).  noise: as `tile_noise`, else all pixels alike; resolution: how many
+    pixels along an edge share their noise.  The second array is the least distance, in pixels, of a sample from the
+    edge of its pixel, or of a sample from the radius in lengths of it: where it is small, rounding may take another
+    sample. Needs two rows and columns.
     """
-    rows, columns = np.indices(seen.depth.shape)
+    rows, columns = np.indices(seen.depth.shape) // resolution
     noises = tile_noise(rows, columns) if noise else np.full((*seen.depth.shape, 3), 0.5)
     (right, down), eye = seen.pixel_extent(), -_unit(seen.rays()[1])
     normal = np.where((_dot(seen.normal, eye) > 0.0)[..., None], seen.normal, seen.geometric)
@@ -190,7 +193,7 @@ def ambient_visibility(
         step = pixel_step(u, np.cross(eye, u), right, down)
         reach = radius * (1.0 - falloff * ((noises[..., 2] + i / slices) % 1.0))
         pixels = reach / _dot(step[..., :1] * right + step[..., 1:] * down, u)
-        cut = _Slice(u, eye, step, pixels, reach, *_angle(seen.geometric, u, eye))
+        cut = _Slice(u, eye, step, pixels, reach, _angle(seen.geometric, u, eye)[0])
         n, weight = _angle(normal, u, eye)
         for number, sign in enumerate((1, -1)):
             limit = 0.5 * np.pi + np.minimum(sign * cut.lean, sign * n)
@@ -217,22 +220,27 @@ def _angle(normal, u, eye) -> tuple[np.ndarray, np.ndarray]:
     return np.arctan2(along, ahead), np.maximum(np.hypot(along, ahead), 1e-6)
 
 
-def filtered(seen: Seen, raw: np.ndarray) -> np.ndarray:
+def taken(size: int, resolution: int) -> np.ndarray:
+    """Rows (or columns) of the picture that a raw one holds which has each `resolution`-th of them."""
+    return np.minimum(np.arange(-(-size // resolution)) * resolution + resolution // 2, size - 1)
+
+
+def filtered(seen: Seen, raw: np.ndarray, resolution: int = 1) -> np.ndarray:
     """The mean of each pixel's window of TILE x TILE, of neighbours near its tangent plane: float64 (height, width).
 
-    The weight falls linearly with the height over that plane, to LEAST_WEIGHT at half the window, as wide as it is at
-    the pixel's depth.
+    raw: visibility of the pixels in rows and columns `taken`.  The weight falls linearly with the height over that
+    plane, to LEAST_WEIGHT at half the window, as wide as it is at the pixel's depth.
     """
     height, width = seen.depth.shape
-    rows, columns = np.indices((height, width))
-    positions, half = seen.positions(), 0.5 * TILE * np.linalg.norm(seen.pixel_extent()[0], axis=-1)
+    rows, columns = taken(height, resolution), taken(width, resolution)
+    y0, x0 = ((i + resolution // 2) // resolution - TILE // 2 for i in np.indices(seen.depth.shape))
+    positions = seen.positions()
+    half = 0.5 * TILE * resolution * np.linalg.norm(seen.pixel_extent()[0], axis=-1)
     total, weights = np.zeros((height, width)), np.zeros((height, width))
-    for dy in range(-TILE // 2, TILE // 2):
-        for dx in range(-TILE // 2, TILE // 2):
-            y, x = rows + dy, columns + dx
-            inside = (y >= 0) & (y < height) & (x >= 0) & (x < width)
-            y, x = np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)
-            off = np.abs(_dot(positions[y, x] - positions, seen.geometric))
-            near = np.where(inside & (seen.depth[y, x] > 0.0), np.maximum(1.0 - off / half, LEAST_WEIGHT), 0.0)
-            total, weights = total + near * raw[y, x], weights + near
-    return np.where(seen.depth > 0.0, total / np.where(weights > 0.0, weights, 1.0), 1.0)
+    for dy, dx in np.ndindex(TILE, TILE):
+        y, x = np.clip(y0 + dy, 0, len(rows) - 1), np.clip(x0 + dx, 0, len(columns) - 1)
+        there = (y == y0 + dy) & (x == x0 + dx) & (seen.depth[rows[y], columns[x]] > 0.0)
+        off = np.abs(_dot(positions[rows[y], columns[x]] - positions, seen.geometric))
+        near = np.where(there, np.maximum(1.0 - off / half, LEAST_WEIGHT), 0.0)
+        total, weights = total + near * raw[y, x], weights + near
+    return np.where((seen.depth > 0.0) & (weights > 0.0), total / np.where(weights > 0.0, weights, 1.0), 1.0)

@@ -9,18 +9,19 @@ import numpy as np
 from .gtao import arc
 
 
-def visibility_of_horizons(eye, normal, horizons: Callable, slices: int) -> float:
+def visibility_of_horizons(eye, normal, horizons: Callable, slices: int, turn: float = 0.5) -> float:
     """Visibility at one point from horizons that are known: the integral that simulator/gtao.py samples.
 
     eye, normal: unit (3,), the directions to the eye and of the surface.  horizons: of the unit u (3,) of a slice's
     side and the normal's angle n towards it, the open angle from the sight line on that side, at most pi / 2 + n.
+    turn: of the first slice, in steps from one to the next.
     """
     eye, normal = np.asarray(eye, dtype=np.float64), np.asarray(normal, dtype=np.float64)
     across = np.cross(eye, np.eye(3)[np.argmin(np.abs(eye))])
     across /= np.linalg.norm(across)
     whole = visible = 0.0
-    for turn in (np.arange(2 * slices) + 0.5) * np.pi / slices:
-        u = np.cos(turn) * across + np.sin(turn) * np.cross(eye, across)
+    for angle in (np.arange(2 * slices) + turn) * np.pi / slices:
+        u = np.cos(angle) * across + np.sin(angle) * np.cross(eye, across)
         n, weight = np.arctan2(normal @ u, normal @ eye), np.hypot(normal @ u, normal @ eye)
         whole += weight * float(arc(0.5 * np.pi + n, n))
         visible += weight * float(arc(horizons(u, n), n))
