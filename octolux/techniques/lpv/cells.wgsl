@@ -1,5 +1,8 @@
-// What a cell stores while light travels: numbers that its flux is linear in, in one of two formats.
+// What a cell stores while light travels: numbers that its flux is linear in, in one of three formats.
 {{ use("techniques/lpv/storage_scale.wgsl") }}
+{% if format == "snorm8" %}
+{{ use("techniques/lpv/byte_cells.wgsl") }}
+{% endif %}
 
 // The levels lie behind one another, the finest first. A level of `stored` cells has a border of one cell that stays dark,
 // so that no step asks where the volume ends; its light has none. Threads in a row belong to one level, in whole workgroups.
@@ -34,7 +37,7 @@ fn light_index(level: Level, cell: vec3i, channel: u32) -> u32 {
 
 {% if "store" in access %}
 fn store_at(index: u32, e: vec4f) {
-    cells_out[index] = {% if format == "f16" %}vec2u(pack2x16float(e.xy), pack2x16float(e.zw)){% else %}e{% endif %};
+    cells_out[index] = {% if format == "f16" %}vec2u(pack2x16float(e.xy), pack2x16float(e.zw)){% elif format == "snorm8" %}pack_byte_cell(e, index){% else %}e{% endif %};
 }
 
 fn store(level: Level, cell: vec3i, channel: u32, e: vec4f) { store_at(stored_index(level, cell, channel), e); }
@@ -43,7 +46,7 @@ fn store(level: Level, cell: vec3i, channel: u32, e: vec4f) { store_at(stored_in
 {% if "load" in access %}
 fn load_at(index: u32) -> vec4f {
     let stored = cells_in[index];
-    return {% if format == "f16" %}vec4f(unpack2x16float(stored.x), unpack2x16float(stored.y)){% else %}stored{% endif %};
+    return {% if format == "f16" %}vec4f(unpack2x16float(stored.x), unpack2x16float(stored.y)){% elif format == "snorm8" %}unpack_byte_cell(stored){% else %}stored{% endif %};
 }
 
 fn load(level: Level, cell: vec3i, channel: u32) -> vec4f { return load_at(stored_index(level, cell, channel)); }

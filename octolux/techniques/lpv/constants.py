@@ -12,7 +12,7 @@ from ...gpu.bindings import Binding, uniform
 from ...gpu.layout import Struct
 from ...simulator import sh
 from ...simulator.grid import Grid
-from ...simulator.lpv import transfer
+from ...simulator.lpv import formats, transfer
 
 GRID = Struct("Grid", origin="vec3f", cell_size="f32", n="u32")
 
@@ -83,5 +83,5 @@ def propagation_values(evaluation: str, reprojection: str, gain: float) -> dict[
         "evaluation": evaluation, **flux_weights(evaluation), **lobe_weights(reprojection), **SH_CONSTANTS,
         "lobe0": gain * sh.COSINE_LOBE_0 / pi, "lobe1": gain * sh.COSINE_LOBE_1 / pi,
         "moment_far": MOMENT_FAR, "moment_side_d": MOMENT_SIDE_TRAVEL, "moment_side_s": MOMENT_SIDE_NORMAL,
-        "solid_angle": 4.0 * pi,
+        "solid_angle": 4.0 * pi, **formats.BYTE_CELLS,
     }  # fmt: skip

@@ -16,8 +16,8 @@ from .levels import ROW, WORKGROUP, Levels
 # Cells a thread does: neighbours in y and z share loads, while threads side by side in x read what lies side by side.
 # Each cell is a neighbour of another in its block, so all of the block's own cells are read.
 BLOCK = (1, 2, 2)
-CELL_TYPES = {"f32": "vec4f", "f16": "vec2u"}
-CELL_BYTES = {"f32": 48, "f16": 24}
+CELL_TYPES = {"f32": "vec4f", "f16": "vec2u", "snorm8": "u32"}
+CELL_BYTES = {"f32": 48, "f16": 24, "snorm8": 12}
 
 
 def _places(block: tuple[int, ...]) -> list[tuple[int, ...]]:
@@ -80,9 +80,11 @@ def steps_of(iterations: int, *, occluded: bool, keeps_last: bool) -> list[Step]
 
 
 class _Faces:
-    """What the geometry volume does to light, in thousandths (faces.wgsl). `faces`: words as the stored cells lie, three
-    a cell: what its lower faces let through. `reflectances`: two words a cell, or a cell's channel, as light lies: what
-    the blockers around it reflect of light along +x, +y, +z and along -x, -y, -z."""
+    """What the geometry volume does to light, in thousandths (faces.wgsl).
+
+    faces: words as the stored cells lie, three a cell: what its lower faces let through.
+    reflectances: two words a cell, or a cell's channel, as light lies: what the blockers around it reflect of light
+    along +x, +y, +z and along -x, -y, -z."""
 
     def __init__(self, device: Device, levels: Levels, bounces: str):
         self._threads = levels.dispatched(BLOCK, beyond=2)
@@ -186,7 +188,7 @@ class Propagation:
                 block_cells=_places(BLOCK),
                 levels=self._travelled.described(BLOCK),
                 access=["load"] * (not step.first) + ["store"] * step.stores, occluded=step.occluded, **block_faces(),
-                bounces=self._bounces if step.occluded else "none",
+                bounces=self._bounces if step.occluded else "none", dither=0.5 * (step.adds > 0),
                 **self._values,
             )  # fmt: skip
         return self._steps[step]

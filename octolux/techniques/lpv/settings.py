@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..settings import Settings, setting
+from ..settings import Settings, SettingsError, setting
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,14 @@ class LpvSettings(Settings):
         cost="none", source="OLPV 3.2.4",
     )  # fmt: skip
     cell_format: str = setting(
-        "f32", meaning="numbers of a cell while light travels", unit="", allowed=("f32", "f16"),
-        cost="f16: half the memory and traffic of a step; a software adapter spends as much on converting",
-        source="OLPV 5.2 (f32), CLPV 6 (f16)",
+        "f32", meaning="numbers of a cell while light travels", unit="", allowed=("f32", "f16", "snorm8"),
+        cost="f16: half the memory and traffic of a step; a software adapter spends as much on converting. snorm8: a "
+        "quarter, 1 to 3 % of error, not with signed",
+        source="OLPV 5.2 (f32), CLPV 6 (f16); ours: simulator/lpv/formats.py",
     )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.cell_format == "snorm8" and self.evaluation == "signed":
+            raise SettingsError("Cells in snorm8 hold no negative flux, which signed evaluation makes. Set "
+            "cell_format=f16, or evaluation=dominant_lobe or clamped.")  # fmt: skip
