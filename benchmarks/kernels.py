@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from octolux.frame.structs import VPL
+from octolux.gpu.records import record_texture
 from octolux.scene.builtin.shapes import box
 from octolux.scene.cameras import Camera
 from octolux.simulator.camera import pack_normals, unpack_normals
@@ -58,7 +59,7 @@ def kernel_injection() -> float:
     packed[:5000], packed[5000:] = lights
     made, grid = Injection(device(), N), device().uniform("grid", pack_grid(GRID))
     with submitted() as stage:
-        made.run(stage, grid, device().buffer("VPLs", packed), sources)
+        made.run(stage, grid, record_texture(device(), "VPLs", VPL, len(packed), packed), sources)
     found = read_buffer(made.injected).reshape(N, N, N, 3, 4)
     parts = [
         injection_reference.inject(v["position"], unpack_normals(v["normal"]), v["flux"], GRID) for v in lights
