@@ -78,6 +78,9 @@ def render(
     samples: cli_options.Paths = None,
     noise: cli_options.Noise = None,
     default_light: cli_options.DefaultLight = True,
+    fog: cli_options.Fog = None,
+    fog_absorption: cli_options.FogAbsorption = None,
+    fog_resolution: cli_options.FogResolution = 2,
     sky_lights: cli_options.SkyLights = 32,
     shadow_resolution: cli_options.ShadowResolution = 1024,
     rsm_resolution: cli_options.RsmResolution = 256,
@@ -108,14 +111,17 @@ def render(
     from .scene.load import load_scene
     from .sequence import Timeline
 
-    loaded = load_scene(scene)
+    loaded = cli_options.with_fog(load_scene(scene), fog, fog_absorption)
     plan.remove_leftovers()
     if not plan.missing and not plan.videos:
         console.out.print("nothing to do: all files are complete")
         return
     renderer = _renderer(
         loaded, adapter,
-        {"shadow_resolution": shadow_resolution, "rsm_resolution": rsm_resolution, "sky_lights": sky_lights},
+        {
+            "shadow_resolution": shadow_resolution, "rsm_resolution": rsm_resolution, "sky_lights": sky_lights,
+            "fog_resolution": fog_resolution,
+        },
         technique=technique, settings=settings, size=plan.size, exposure=exposure, anti_aliasing=anti_aliasing,
         sequence=plan.filtered, tone_map=tone_map, transparent=alpha, default_light=default_light,
     )  # fmt: skip

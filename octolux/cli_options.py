@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -9,7 +10,11 @@ import typer
 
 from .frame.anti_aliasing import MAX_SAMPLES, STILL_SAMPLES
 from .output.options import LAYERS
+from .scene import scene
 from .scene.errors import OctoluxError
+from .scene.materials import Color
+from .scene.medium import Medium
+from .scene.toml.fields import LARGEST
 from .simulator.tonemap import TONE_MAPS
 
 _LIGHT, _VIEW, _TIME, _FILES = "Light", "View and display", "Sequences", "Files"
@@ -29,6 +34,11 @@ Set = Annotated[list[str], _option(_LIGHT, "KEY=VALUE", "A setting of the techni
 Paths = Annotated[int | None, _option(_LIGHT, "N", "Paths through each pixel, of a technique that traces them.")]
 Noise = Annotated[float | None, _option(_LIGHT, "X", "Stop tracing when the picture's relative error is below X.")]
 DefaultLight = Annotated[bool, _option(_LIGHT, None, "Sun and sky for scenes in which nothing shines.")]
+Fog = Annotated[
+    str | None, _option(_LIGHT, "X|R,G,B", "Fog in the scene's box, in place of its medium: what it scatters, 1/m.")
+]
+FogAbsorption = Annotated[str | None, _option(_LIGHT, "X|R,G,B", "What this fog absorbs, 1/m; nothing by default.")]
+FogResolution = Annotated[int, _option(_LIGHT, "1|2|4", "Fog is worked out for blocks of so many pixels.")]
 SkyLights = Annotated[
     int, _option(_LIGHT, "N", "Distant lights that stand for the surroundings; 0: these light nothing.", min=0, max=200)
 ]
@@ -76,6 +86,27 @@ Stats = Annotated[Path | None, _option(_FILES, "FILE", "Write times, memory and 
 Exported = Annotated[Path, typer.Argument(metavar="OUT", help="An .xml file; what it names goes into OUT_files.")]
 Time = Annotated[float, _option(_TIME, "SECONDS", "The scene as it is then.")]
 Samples = Annotated[int, _option(_FILES, "N", "Samples a pixel that the file asks for.", min=1, max=2**24)]
+
+
+def with_fog(scene: scene.Scene, scattering: str | None, absorption: str | None) -> scene.Scene:
+    """The scene with the fog that --fog and --fog-absorption say, if they do. Raises OctoluxError."""
+    if scattering is None and absorption is None:
+        return scene
+    given = {"--fog": scattering, "--fog-absorption": absorption}
+    values = {flag: _coefficients(flag, text) for flag, text in given.items()}
+    return replace(scene, medium=Medium(scattering=values["--fog"], absorption=values["--fog-absorption"]))
+
+
+def _coefficients(flag: str, text: str | None) -> Color:
+    """The color that `0.05` or `0.05,0.05,0.06` names; black for None. Raises OctoluxError."""
+    try:
+        numbers = [float(part) for part in ("0" if text is None else text).split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in (1, 3) or not all(0.0 <= number <= LARGEST for number in numbers):
+        raise OctoluxError(f"{flag} is one number from 0 on, or three for red, green and blue, 1/m, not '{text}'.")
+    red, green, blue = numbers if len(numbers) == 3 else numbers * 3
+    return red, green, blue
 
 
 def size_of(text: str) -> tuple[int, int]:

@@ -14,6 +14,7 @@ from .scene.gltf.container import read_container
 from .scene.lights import AreaLight, DirectionalLight, Light, ParticleLights
 from .scene.load import load_scene
 from .scene.materials import Image, Material, Texture
+from .scene.medium import Medium
 from .scene.scene import Scene
 
 # A hall is some 40 m long and a town block 200; a model longer than a kilometre is more often a small one in a smaller
@@ -50,6 +51,7 @@ def scene_facts(source: str) -> dict[str, Any]:
         "cameras": [_camera(camera) for camera in scene.cameras],
         "clips": _clips(scene),
         "environment": _environment(scene),
+        "medium": _medium(scene.medium),
         "exposure": scene.exposure,
         "extensions": _extensions(path) if is_file else [],
         "warnings": scene.warnings,
@@ -126,6 +128,14 @@ def _environment(scene: Scene) -> dict[str, Any]:
     return {"radiance": list(scene.environment.radiance), "image_size": size}
 
 
+def _medium(medium: Medium | None) -> dict[str, Any] | None:
+    if medium is None:
+        return None
+    cells = None if medium.density is None else list(medium.density.shape[::-1])
+    return {"scattering": list(medium.scattering), "absorption": list(medium.absorption), "cells": cells,
+            "low": medium.low and list(medium.low), "high": medium.high and list(medium.high)}  # fmt: skip
+
+
 def _extensions(path: Path) -> list[str]:
     """The glTF extensions that a file says it uses; it has been loaded and is well formed."""
     is_gltf = path.suffix.lower() in (".gltf", ".glb")
@@ -159,6 +169,9 @@ def _surroundings(facts: dict[str, Any]) -> Iterator[str]:
     image = f", image {sky['image_size'][0]} x {sky['image_size'][1]}" if sky["image_size"] else ""
     if image or max(sky["radiance"]) > 0:
         yield f"environment: {_point(sky['radiance'])} nits{image}"
+    if medium := facts["medium"]:
+        cells = ", density of {} x {} x {} cells".format(*medium["cells"]) if medium["cells"] else ""
+        yield f"medium: scatters {_point(medium['scattering'])}, absorbs {_point(medium['absorption'])} 1/m{cells}"
     yield "exposure: metered" if facts["exposure"] is None else f"exposure: EV100 {facts['exposure']:g}"
 
 

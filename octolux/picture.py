@@ -26,7 +26,8 @@ REC709_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 class Picture:
     """One frame. All layers are float32, linear Rec. 709, not exposed, [row from the top][column][channel].
 
-    radiance: (height, width, 3), nits.  alpha: (height, width), the share of the pixel that surfaces cover.
+    radiance: (height, width, 3), nits.  alpha: (height, width), the share of the pixel that surfaces cover,
+    and of what is behind them that fog hides.
     display: uint8 (height, width, 4), exposed, tone-mapped, sRGB, opaque.
     paths: through each pixel, of a technique that traces them; else 0.
     exposure: EV100 of `display`.  object_names: the numbers of layer `object_id` and the names of their instances.
@@ -52,6 +53,9 @@ class Picture:
         self._indirect = device.read_texture(frame.indirect, np.float32, 4)[..., :3] if frame.indirect else None
         self._irradiance = self._optional(device, frame.irradiance)
         self._specular = self._optional(device, frame.specular)
+        self._fog = self._optional(device, frame.inscattered)
+        clear = np.ones_like(self._fog)
+        self._transmittance = clear if frame.transmittance is None else self._optional(device, frame.transmittance)
         emissive = t.emissive if frame.gpu_scene.has_emission else None
         self._emissive = self._optional(device, emissive)
         self._ids = device.read_texture(t.ids, np.uint32, 1)[..., 0]
@@ -131,6 +135,8 @@ class Picture:
             "alpha": self.alpha,
             "noise": self.noise,
             "object_id": self._object_ids(),
+            "fog": self._fog[..., :3],
+            "transmittance": self._transmittance[..., :3],
             "motion": self._motion(),
         }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -13,9 +14,11 @@ from .frame.composite import CompositePass
 from .frame.direct import DirectLightPass
 from .frame.emitters import EmitterLight, emitter_lights
 from .frame.environment import SurroundingsMap
+from .frame.fog import RESOLUTIONS, FogPass
 from .frame.frame import COARSE_BLOCK, Frame, FrameBuffers, FrameSettings, Targets, TracedPaths
 from .frame.gbuffer import GBufferPass
 from .frame.lights import light_set
+from .frame.medium import MediumBuffers
 from .frame.rsm import RSMPass
 from .frame.shadows import ShadowMapPass
 from .frame.views import View, camera_view
@@ -99,6 +102,7 @@ class Renderer:
             self.technique = chosen(self.device, settings)
         self._passes_of = -1
         self._rsm: RSMPass | None = None  # made when a technique needs it
+        self._fog: FogPass | None = None  # made when a scene has a medium
         self._emitters_of: tuple = ()
         self._emitting: list[EmitterLight] = []
 
@@ -113,7 +117,18 @@ class Renderer:
         particles = sum(len(light.positions) for light in self.scene.lights if isinstance(light, ParticleLights))
         if particles and "particles" not in self.technique.supports:
             notes.append(f"{particles:,} particle lights are left out: {self.technique.name} takes none")
-        return notes
+        return notes + self._medium_notes()
+
+    def _medium_notes(self) -> list[str]:
+        medium = self.scene.medium
+        if medium is None:
+            return []
+        if self.technique.replaces_direct:
+            return [f"the technique {self.technique.name} knows no media: it renders clear air"]
+        low, high = self.scene.bounds()
+        if medium.low is None and not (low < high).all():
+            return ["the medium fills the scene's box, which holds nothing: give it 'low' and 'high'"]
+        return []
 
     def render(self, camera: str | int | Camera | None = None) -> Picture:
         """One frame, seen by `camera` (a name, a number, a Camera, or None for the first), as a Picture.
@@ -157,6 +172,8 @@ class Renderer:
             if not self.technique.replaces_direct:
                 self._direct.run(frame, self._shadow_maps.sampler, self._surroundings)
             self.technique.shade(frame)
+            if self._fog and frame.medium:
+                self._fog.run(frame)
             self._composite.run(frame, self._exposure_factor(), self._surroundings)
         if self._fxaa:
             self._fxaa.run(frame)
@@ -200,8 +217,16 @@ class Renderer:
             self.device, profiler, scene, gpu_scene, settings, self.targets, lights, views, draws, buffers,
             samples=samples, exposure_factor=self._exposure_factor(), metering=metering, progress=self.progress,
             transparent=self._composite.transparent,
-            start=self.start, surroundings_map=self._surroundings,
+            start=self.start, surroundings_map=self._surroundings, medium=self._medium(scene),
         )  # fmt: skip
+
+    def _medium(self, scene: Scene) -> MediumBuffers | None:
+        if scene.medium is None or self.technique.replaces_direct:
+            return None
+        if self._fog is None:
+            self._fog = FogPass(self.device)
+        self._fog.medium.sync(scene.medium, self.gpu_scene.bounds)
+        return self._fog.medium
 
     def _view(self, camera: Camera) -> View:
         low, high = self.gpu_scene.bounds
@@ -275,6 +300,10 @@ def _check_size(settings: FrameSettings) -> None:
             raise OctoluxError(f"The picture's {name} must be 1 to {most} pixels, not {value}.")
     if settings.coarse_resolution % COARSE_BLOCK:
         raise OctoluxError(f"coarse_resolution {settings.coarse_resolution} is not a multiple of {COARSE_BLOCK}.")
+    if settings.fog_resolution not in RESOLUTIONS:
+        raise OctoluxError(f"fog_resolution is 1, 2 or 4 pixels, not {settings.fog_resolution}.")
+    if not 0.0 < settings.fog_step < math.inf:
+        raise OctoluxError(f"fog_step is a number of cells above 0, not {settings.fog_step}.")
     if settings.shadow_resolution % settings.rsm_resolution:
         raise OctoluxError(
             f"rsm_resolution {settings.rsm_resolution} does not divide shadow_resolution {settings.shadow_resolution}."

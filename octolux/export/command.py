@@ -38,4 +38,6 @@ def export_scene(
     if default_light and not shines(scene):
         notes.append("nothing in the scene shines: the sun and the sky of a clear day light it")
         scene = replace(scene, lights=[*scene.lights, sun()], environment=sky())
+    if scene.medium:
+        notes.append("the medium is left out: Mitsuba's file has clear air")
     return notes + write_mitsuba(scene, out, chosen_camera(scene, camera, size[0] / size[1]), size, samples)

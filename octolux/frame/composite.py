@@ -14,7 +14,7 @@ from .structs import COMPOSITE, ENVIRONMENT, VIEW, views_binding
 
 # The shader's name of each tone map of simulator/tonemap.py.
 _FUNCTIONS = {"none": "clipped", "neutral": "neutral_tone_map", "agx": "agx", "aces": "aces"}
-_INPUTS = ("emissive_map", "irradiance_map", "specular_map", "given_map")
+_INPUTS = ("emissive_map", "irradiance_map", "specular_map", "given_map", "fog_map")
 
 
 class CompositePass:
@@ -35,6 +35,7 @@ class CompositePass:
                 [
                     uniform("settings", COMPOSITE), views_binding(), texture("surface_map", "uint"),
                     texture("depth_map"), texture("direct_map"), *(texture(name) for name in _INPUTS if name in there),
+                    *((texture("transmittance_map"),) if "fog_map" in there else ()),
                     *(() if first else (texture("radiance_so_far"),)), storage_texture("radiance_out", "rgba32float"),
                     *((storage_texture("display_out", "rgba8unorm"),) if last else ()), *SurroundingsMap.bindings(),
                 ],
@@ -51,10 +52,13 @@ class CompositePass:
         self.device.write(self._settings, COMPOSITE.pack(exposure=exposure, weight=1.0 / frame.samples))
         t, first, last = frame.targets, frame.sample == 0, frame.sample == frame.samples - 1
         emissive = t.emissive if frame.gpu_scene.has_emission else None
-        optional = dict(zip(_INPUTS, (emissive, frame.irradiance, frame.specular, frame.radiance), strict=True))
+        given = (emissive, frame.irradiance, frame.specular, frame.radiance, frame.inscattered)
+        optional = dict(zip(_INPUTS, given, strict=True))
         inputs: dict[str, Any] = {name: texture for name, texture in optional.items() if texture is not None}
         # Software adapters work out both sides of a branch: without a map nobody should pay for reading one.
         variant = self._variant(frozenset(inputs), first, last, frame.surroundings.image is None)
+        if frame.inscattered:
+            inputs["transmittance_map"] = frame.transmittance
         if not first:
             inputs["radiance_so_far"] = t.swap_radiance(self.device)
         if last:

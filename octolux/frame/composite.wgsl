@@ -1,4 +1,4 @@
-// Composite = emissive + direct + diffuse albedo / pi * irradiance * ambient visibility + specular; the mean over the samples
+// Composite = (emissive + direct + diffuse albedo / pi * irradiance * ambient visibility + specular) * transmittance + fog; the mean over the samples
 // of a pixel; then exposure, tone map and sRGB for display (references: simulator/tonemap.py).
 {{ use("shaders/view.wgsl") }}
 {{ use("shaders/brdf.wgsl") }}
@@ -39,7 +39,16 @@ fn seen(pixel: vec2u) -> vec4f {
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) pixel: vec3u) {
     if any(pixel.xy >= textureDimensions(depth_map)) { return; }
+    {% if fog %}
+    let clear = seen(pixel.xy);
+    let passed = textureLoad(transmittance_map, pixel.xy, 0).rgb;
+    let scattered = textureLoad(fog_map, pixel.xy, 0).rgb;
+    // What of the surroundings the medium hides it covers as a surface does.
+    let covered = 1.0 - (1.0 - clear.a) * dot(passed, vec3f({{ 1 / 3 }}));
+    var mean = settings.weight * vec4f(clear.rgb * passed + scattered, covered);
+    {% else %}
     var mean = settings.weight * seen(pixel.xy);
+    {% endif %}
     {% if not first %}
     mean += textureLoad(radiance_so_far, pixel.xy, 0);
     {% endif %}

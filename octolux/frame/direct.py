@@ -11,6 +11,7 @@ from .area_lights import AreaLightBuffers, AreaLights, area_lights
 from .environment import SurroundingsMap
 from .frame import Frame
 from .lights import KINDS, Counts
+from .medium import MEDIUM, MediumBuffers
 from .shader_values import CONSTANTS
 from .structs import AREA_LIGHT, ENVIRONMENT, LIGHT, SKY_PICK, VIEW, lights_binding, views_binding
 from .views import CUBE_FACES
@@ -30,10 +31,10 @@ class DirectLightPass:
         self.device = device
         self._sky_pick = device.uniform("sky pick", SKY_PICK.array(1))
         self._area_lights: AreaLightBuffers | None = None  # made when there are any
-        self._variants: dict[tuple[Counts, tuple[int, ...]], ComputePass] = {}
+        self._variants: dict[tuple[Counts, tuple[int, ...], bool | None], ComputePass] = {}
 
-    def _variant(self, counts: Counts, areas: AreaLights) -> ComputePass:
-        key = (counts, areas.emitters)
+    def _variant(self, counts: Counts, areas: AreaLights, medium: MediumBuffers | None) -> ComputePass:
+        key = (counts, areas.emitters, medium.has_density if medium else None)
         if key not in self._variants:
             self._variants[key] = ComputePass(
                 self.device, "direct light", "frame/direct.wgsl",
@@ -41,9 +42,11 @@ class DirectLightPass:
                     views_binding(), lights_binding(), texture("surface_map", "uint"), texture("depth_map"),
                     texture("shadow_maps", "depth", "2d-array"), sampler("shadow_sampler", "non-filtering"),
                     storage_texture("direct_out", "rgba32float"), *_soft_bindings(counts, areas),
+                    *(medium.bindings if medium else ()),
                 ],
-                structs=[VIEW, LIGHT, ENVIRONMENT, SKY_PICK, AREA_LIGHT], shadows=True, **_groups(counts, areas),
-                **AreaLightBuffers.values(), **CONSTANTS,
+                structs=[VIEW, LIGHT, ENVIRONMENT, SKY_PICK, AREA_LIGHT, *([MEDIUM] if medium else [])], shadows=True,
+                **light_groups(counts, areas), **AreaLightBuffers.values(), **CONSTANTS,
+                **(medium.values if medium else {"medium": False}),
             )  # fmt: skip
         return self._variants[key]
 
@@ -57,8 +60,10 @@ class DirectLightPass:
         if areas.emitters:
             self._area_lights = self._area_lights or AreaLightBuffers(self.device)
             more |= {**self._area_lights.write(areas), "brdf_table": surroundings.resources["brdf_table"]}
+        if frame.medium:
+            more |= frame.medium.resources
         with frame.profiler.stage("direct light") as stage:
-            self._variant(counts, areas).run(
+            self._variant(counts, areas, frame.medium).run(
                 stage, frame.pixels, surface_map=frame.targets.surface, depth_map=frame.targets.depth,
                 shadow_maps=frame.shadow_maps, shadow_sampler=shadow_sampler, direct_out=frame.targets.direct,
                 views=frame.buffers["views"], lights=frame.buffers["lights"], **more,
@@ -73,8 +78,8 @@ def _soft_bindings(counts: Counts, areas: AreaLights) -> list[Binding]:
     return maps + sky + lamps + ([texture("brdf_table")] if lamps and not sky else [])
 
 
-def _groups(counts: Counts, areas: AreaLights) -> dict[str, Any]:
-    """For the template: `groups`, for each kind in the order of the lights but the sky its name, first light, number of
+def light_groups(counts: Counts, areas: AreaLights) -> dict[str, Any]:
+    """For templates: `groups`, for each kind in the order of the lights but the sky its name, first light, number of
     lights, first view, views of each, without emitters that stand for area lights; for each of these, in `areas`, its
     first emitter and how many; and where the emitters', the sky's and the coarse maps' lights and views begin."""
     groups: list[tuple[str, int, int, int, int]] = []

@@ -4,6 +4,9 @@
 {{ use("shaders/view.wgsl") }}
 {{ use("shaders/brdf.wgsl") }}
 {{ use("shaders/lights.wgsl") }}
+{% if medium %}
+{{ use("shaders/medium.wgsl") }}
+{% endif %}
 
 struct Point { position: vec3f, to_eye: vec3f, surface: Surface }
 
@@ -61,7 +64,10 @@ fn emitter_share(p: Point, number: u32) -> vec2f {
     let to_light = light.position - p.position;
     let l = normalize(to_light);
     let share = dot(emitter_illuminance(light, to_light), vec3f(1.0)) * max(dot(p.surface.normal, l), 0.0);
-    let lit = emitter_fraction(p, light, to_light, {{ coarse_view }}u + {{ cube_faces }}u * number);
+    var lit = emitter_fraction(p, light, to_light, {{ coarse_view }}u + {{ cube_faces }}u * number);
+    {% if medium %}
+    lit *= dot(through_from_place(light, p.position), vec3f({{ 1 / 3 }})); // of several emitters one number is made
+    {% endif %}
     return share * vec2f(1.0, select(0.0, lit, dot(p.surface.geometric_normal, l) > 0.0));
 }
 
@@ -103,7 +109,13 @@ fn from_sky(p: Point, pixel: vec2u) -> vec3f {
         }
         let share = light.color * max(dot(s.normal, l), 0.0);
         all += share;
+        {% if medium %}
+        let passed = through_from_afar(light, p.position);
+        arrived += lit * passed * share;
+        lit *= dot(passed, vec3f({{ 1 / 3 }})); // of the reflection: its colour is the lobe's
+        {% else %}
         arrived += lit * share;
+        {% endif %}
         // Held at -80, where float32 still has an exponential: with many lights the lobe is narrow.
         lobe += exp(max(sharpness * (dot(mirrored, l) - 1.0), -80.0)) * vec2f(above, lit);
     }
@@ -116,6 +128,9 @@ fn from_sky(p: Point, pixel: vec2u) -> vec3f {
     return kept * diffuse_albedo(s) / {{ pi }} * irradiance + (f0 * even.x + f90 * even.y) * reflected;
 }
 {% endif %}
+
+{# What the medium leaves of a light's way to the surface. #}
+{% macro passed(kind, index) %}{% if medium %} * through_from_{{ "afar" if kind == "directional" else "place" }}(lights[{{ index }}], p.position){% endif %}{% endmacro %}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) pixel: vec3u) {
@@ -135,11 +150,11 @@ fn main(@builtin(global_invocation_id) pixel: vec3u) {
     {% for kind, first, count, first_view, views_each in groups %}
     {% if unrolled %}
     {% for i in range(count) %}
-    radiance += from_{{ kind }}(p, {{ first + i }}u, {{ first_view + i * views_each }}u);
+    radiance += from_{{ kind }}(p, {{ first + i }}u, {{ first_view + i * views_each }}u){{ passed(kind, "%du" % (first + i)) }};
     {% endfor %}
     {% elif count %}
     for (var i = 0u; i < {{ count }}u; i++) {
-        radiance += from_{{ kind }}(p, {{ first }}u + i, {{ first_view }}u + i * {{ views_each }}u);
+        radiance += from_{{ kind }}(p, {{ first }}u + i, {{ first_view }}u + i * {{ views_each }}u){{ passed(kind, "%du + i" % first) }};
     }
     {% endif %}
     {% endfor %}

@@ -18,6 +18,7 @@ from .lights import LightSet
 from .structs import LIGHT, MAX_LIGHTS, MAX_VIEWS, RASTER_VIEW, RASTER_VIEW_STRIDE, VIEW
 from .views import View
 from .visibility import DrawList
+from .volume_light import VolumeLight
 
 COARSE_BLOCK = 8  # soft lights are many and even: a VPL for 8 x 8 texels of their maps
 TEXTURE, STORAGE = wgpu.TextureUsage.TEXTURE_BINDING, wgpu.TextureUsage.STORAGE_BINDING
@@ -32,7 +33,9 @@ class FrameSettings:
     edge, one taken of each block of shadow texels; it divides shadow_resolution.  sky_lights: distant lights that stand
     for the surroundings; 0 leaves these to be seen without lighting anything.  emitter_lights: lights that stand for
     all area lights and glowing surfaces; 0 leaves these to glow alone.  coarse_resolution: texels along the edge of the
-    shadow maps of both, COARSE_BLOCK of them to a VPL.
+    shadow maps of both, COARSE_BLOCK of them to a VPL.  fog_resolution: 1, 2 or 4: one path of fog is marched for each
+    block of pixels with that edge.  fog_step: length of a step of fog, in cells of the technique's light volume and of
+    the medium's density.
     """
 
     width: int = 1280
@@ -42,6 +45,8 @@ class FrameSettings:
     sky_lights: int = 32
     emitter_lights: int = 4
     coarse_resolution: int = 512
+    fog_resolution: int = 2
+    fog_step: float = 1.0
 
 
 class Targets:
@@ -107,6 +112,8 @@ class Frame:
     radiance: rgba32float texture of a technique that makes the whole picture: radiance, and coverage in alpha;
     `indirect` is then its part of it, and the targets' direct light is the technique's; paths: how many of each pixel
     are in it, if it has noise: the direct light's alpha is then the standard error of the pixel's luminance.
+    medium: what shaders/medium.wgsl reads, None for clear air.  volume_light: what a technique knows of the light in
+    space, or None.  inscattered, transmittance: rgba32float textures of fog, None where there is none.
     sample, samples: which of the samples of each pixel is being made, and of how many.
     exposure_factor: from nits to the picture's unit.  metering: the frame is only made to set the exposure.
     transparent: the surroundings are not to be seen.
@@ -143,6 +150,10 @@ class Frame:
     start: TracedPaths | None = None
     progress: Callable[[int, int], bool] | None = None
     surroundings_map: Any = None
+    medium: Any = None
+    volume_light: VolumeLight | None = None
+    inscattered: Any = None
+    transmittance: Any = None
 
     @property
     def surroundings(self) -> Environment:

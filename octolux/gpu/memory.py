@@ -9,6 +9,7 @@ from collections import defaultdict
 # Bytes per texel of the formats we use; block-compressed ones are not among them.
 TEXEL_BYTES = {
     "r8unorm": 1,
+    "r16float": 2,
     "rgba8unorm": 4,
     "rgba8unorm-srgb": 4,
     "r32uint": 4,

@@ -14,7 +14,7 @@ _RGB, _XYZ, _XY = ("R", "G", "B"), ("X", "Y", "Z"), ("X", "Y")
 LAYERS: dict[str, tuple[str, ...]] = {
     "radiance": _RGB, "direct": _RGB, "indirect": _RGB, "irradiance": _RGB, "specular": _RGB, "emissive": _RGB,
     "albedo": _RGB, "normal": _XYZ, "position": _XYZ, "motion": _XY, "depth": (), "alpha": (), "object_id": (),
-    "noise": (),
+    "noise": (), "fog": _RGB, "transmittance": _RGB,
 }  # fmt: skip
 
 

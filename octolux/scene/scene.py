@@ -12,6 +12,7 @@ from .environment import Environment
 from .errors import OctoluxError
 from .lights import Light
 from .materials import Material
+from .medium import Medium
 from .meshes import Instance, Mesh
 from .motion.moved import moved_camera, moved_instance, moved_light, moved_node
 from .motion.pose import posed, world_transforms
@@ -26,6 +27,7 @@ class Scene:
     Lists may be changed at any time; their elements are frozen, so replace an element to change it
     (`dataclasses.replace`). What names a node stands where that node stands, and deformed meshes are in the pose of the
     nodes; `pose.posed` gives a scene with its nodes moved.
+    `medium` is what fills the air, None for clear air.
     `exposure` is in EV100, or None when the source names none.
     `warnings` holds what a loader had to leave out or guess.
     """
@@ -37,6 +39,7 @@ class Scene:
     lights: list[Light] = field(default_factory=list)
     cameras: list[Camera] = field(default_factory=list)
     environment: Environment = field(default_factory=Environment)
+    medium: Medium | None = None
     nodes: list[Node] = field(default_factory=list)
     skins: list[Skin] = field(default_factory=list)
     tracks: list[Track] = field(default_factory=list)

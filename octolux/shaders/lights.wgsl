@@ -22,7 +22,6 @@ fn spot_attenuation(light: Light, l: vec3f) -> f32 {
     return ramp * ramp;
 }
 
-{% if shadows %}
 // Which of the six faces a direction from the light falls on: +x -x +y -y +z -z.
 fn cube_face(d: vec3f) -> u32 {
     let a = abs(d);
@@ -31,6 +30,7 @@ fn cube_face(d: vec3f) -> u32 {
     return select(4u, 5u, d.z < 0.0);
 }
 
+{% if shadows %}
 // Fraction of the light that reaches `position`: 2x2 percentage-closer filtering. Each of the four texels is compared with
 // the depth that the receiver's own plane has at that texel's centre, so that the plane never shadows itself, however it
 // is slanted; depth is affine across the map for a perspective (near / depth) as well as an orthographic view. Where the

@@ -21,6 +21,7 @@ FRAME = FrameSettings(*SIZE, shadow_resolution=64, rsm_resolution=16)
 LAYERS = {  # docs/conventions.md: EXR layers
     "direct": "RGB", "indirect": "RGB", "irradiance": "RGB", "specular": "RGB", "emissive": "RGB", "albedo": "RGB",
     "normal": "XYZ", "position": "XYZ", "motion": "XY", "depth": "", "object_id": "", "noise": "",
+    "fog": "RGB", "transmittance": "RGB",
 }  # fmt: skip
 
 

@@ -24,9 +24,10 @@ from ..scene import Environment, Scene
 from .fields import Table, nearest
 from .keyframes import load_track, with_clip_first
 from .lights import load_light
+from .medium import load_medium
 from .models import file_path, load_model
 
-TOP_KEYS = ("name", "exposure", "environment", "model", "material", "light", "camera", "keyframes",
+TOP_KEYS = ("name", "exposure", "environment", "medium", "model", "material", "light", "camera", "keyframes",
             "animation")
 MATERIAL_KEYS = ("name", "base_color", "alpha", "metallic", "roughness", "specular", "emissive", "normal_scale",
                  "alpha_mode", "alpha_cutoff", "double_sided", "textures")
@@ -53,11 +54,13 @@ def load_toml(path: str | Path) -> Scene:
             exposure=top.number("exposure", None, low=-50.0, high=50.0),
         )
         own.environment = _environment(top.table("environment"), own.warnings)
+        medium = load_medium(top.table("medium"))
         keyframes, overrides = top.tables("keyframes"), top.tables("material")
         name = top.text("name", path.stem)
         scene = combined([own, *(load_model(t) for t in top.tables("model"))], name)
         if "environment" in top:
             scene.environment = own.environment
+        scene.medium = medium
         for table in overrides:
             _override(table, scene)
         scene.tracks = with_clip_first(top.table("animation"), scene)
