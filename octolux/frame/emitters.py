@@ -153,8 +153,9 @@ def _mean_linear(channel: np.ndarray) -> float:
 
 def _quadrilateral(light: AreaLight) -> GlowingPatches:
     """Without a part that has no area. Raises OctoluxError for what is not flat or not convex."""
-    if problem := flaw(light.corners):
-        raise OctoluxError(f"The corners of the area light '{light.name}' {problem[0]}. {problem[1]}.")
+    if found := flaw(light.corners):
+        problem, remedy = found
+        raise OctoluxError(f"The corners of the area light '{light.name}' {problem}: {remedy}.")
     a, b, c, d = (np.asarray(corner, dtype=np.float64) for corner in light.corners)
     radiance = np.tile(np.asarray(light.radiance, dtype=np.float64), (2, 1))
     return _joined([GlowingPatches(np.array([[a, b, c], [a, c, d]]), radiance)])

@@ -45,15 +45,17 @@ fn from_cosine(lobe: Lobe, q: vec3f) -> vec3f {
 struct Side { start: vec3f, edge: vec3f }
 
 // The angle that a side subtends, times the unit normal of the plane through it and the origin. Angle over sine by Heitz and
-// Hill's rational function ("Real-time line- and disk-light shading", 2017), which errs by 1.5e-6.
+// Hill's rational function ("Real-time line- and disk-light shading", 2017), which errs by 1.5e-6; of an obtuse angle it is
+// pi over the sine, which the normal's length knows better than the cosine, less that of the rest.
 fn side_moment(side: Side) -> vec3f {
     let end = side.start + side.edge;
+    let normal = cross(side.start, side.edge);
     let lengths = inverseSqrt(max(dot(side.start, side.start) * dot(end, end), 1e-37));
     let cosine = dot(side.start, end) * lengths;
     let x = min(abs(cosine), 1.0);
-    let ratio = (0.8543985 + (0.4965155 + 0.0145206 * x) * x) / (3.4175940 + (4.1616724 + x) * x);
-    let angle = select(0.5 * inverseSqrt(max(1.0 - x * x, 1e-7)) - ratio, ratio, cosine > 0.0);
-    return cross(side.start, side.edge) * ({{ 2 * pi }} * angle * lengths);
+    let ratio = (0.8543985 + (0.4965155 + 0.0145206 * x) * x) / (3.4175940 + (4.1616724 + x) * x) * lengths;
+    let obtuse = 0.5 * inverseSqrt(max(dot(normal, normal), 1e-37)) - ratio;
+    return normal * ({{ 2 * pi }} * select(obtuse, ratio, cosine > 0.0));
 }
 
 // The part of a side above a plane, by the heights of its ends; of no length where there is none.

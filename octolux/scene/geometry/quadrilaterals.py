@@ -11,19 +11,18 @@ PLANARITY = 1e-3
 def flaw(corners) -> tuple[str, str] | None:
     """What is wrong with `corners` (4, 3), and what to do about it, or None: out of plane, or not convex.
 
-    Corners that coincide, or enclose no area at all, are no flaw: such a light has no flux, or is a triangle.
+    Corners that coincide, or all lie on one line, are no flaw: such a light is a triangle, or has no flux.
     """
     points = np.asarray(corners, dtype=np.float64)
-    a, b, c, d = points
-    size = max(float(np.linalg.norm(c - a)), float(np.linalg.norm(d - b)))
-    normal = np.cross(c - a, d - b)  # twice the area
-    length = float(np.linalg.norm(normal))
-    if length <= 1e-9 * size**2:
-        return None
-    if abs((b - a) @ normal) > PLANARITY * size * length:
-        return "do not lie in one plane", "Use two area lights, or move a corner"
     edges = np.roll(points, -1, axis=0) - points
-    turns = np.cross(edges, np.roll(edges, -1, axis=0)) @ normal / length
-    if turns.min() < -PLANARITY * size**2:
-        return "are those of a shape that is not convex", "Give them in order around it, or use two area lights"
+    size = float(np.ptp(points, axis=0).max())
+    bends = np.cross(edges, np.roll(edges, -1, axis=0))
+    if np.linalg.norm(bends, axis=1).max() <= 1e-9 * size**2:
+        return None
+    normal = np.cross(points[2] - points[0], points[3] - points[1])  # twice the area
+    length = max(float(np.linalg.norm(normal)), 1e-300)
+    if abs(edges[0] @ normal) > PLANARITY * size * length:
+        return "do not lie in one plane", "use two area lights, or move a corner"
+    if length <= 1e-9 * size**2 or (bends @ normal).min() < -PLANARITY * size**2 * length:
+        return "are not those of a convex shape", "give them in order around it, or use two area lights"
     return None

@@ -7,12 +7,10 @@ from math import radians
 
 import numpy as np
 
+from ..geometry.quadrilaterals import flaw
 from ..lights import AreaLight, DirectionalLight, Light, PointLight, SpotLight, Vector
 from .fields import Table
 from .particles import load_particles
-
-PLANARITY = 1e-3
-"""How far a corner of an area light may lie out of the others' plane, as a share of its size."""
 
 
 def load_light(table: Table, number: int) -> Light:
@@ -52,8 +50,8 @@ def _area(table: Table, name: str) -> AreaLight:
     size = max(float(np.linalg.norm(c - a)), float(np.linalg.norm(d - b)))
     if not np.linalg.norm(normal) > 1e-9 * size**2:
         raise table.error("corners", "enclose no area", "give the corners of a quadrilateral in order around it")
-    if abs((b - a) @ normal) > PLANARITY * size * np.linalg.norm(normal):
-        raise table.error("corners", "do not lie in one plane", "use two area lights, or move a corner")
+    if found := flaw(corners):
+        raise table.error("corners", *found)
     return AreaLight(corners=(corners[0], corners[1], corners[2], corners[3]), radiance=table.color("radiance"),
                      name=name)
 
