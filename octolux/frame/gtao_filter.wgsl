@@ -1,7 +1,7 @@
 // Mean of 4 x 4 neighbours in the same surface: each sample of the noise's tile once, wherever the window lies. A neighbour
-// counts less the farther it lies from the pixel's tangent plane, and not at all from the window's own half width on: two
-// pixels of the raw picture, as wide as they are at the pixel's depth. So slanted planes are filtered whole, and what
-// stands before or behind is not mixed in, at any scale. At half resolution this also fills in the pixels between.
+// counts less the farther it lies from the pixel's tangent plane, and hardly at all from the width of a pixel of the raw
+// picture on, at this depth. So slanted planes are filtered whole, and what stands before or behind is not mixed in, at any
+// scale. At half resolution this also fills in the pixels between.
 {{ use("shaders/view.wgsl") }}
 {{ use("shaders/gbuffer.wgsl") }}
 
@@ -15,8 +15,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let ray = view_ray(view, vec2f(pixel) + 0.5);
     let normal = unpack_surface(textureLoad(surface_map, pixel)).geometric_normal;
     let raw_size = textureDimensions(raw_map);
-    let half_width = {{ 2 * resolution }}.0 * length(view.origin_dx + depth * view.direction_dx);
-    let ahead = dot(ray.direction, normal) / half_width;
+    let width = {{ resolution }}.0 * length(view.origin_dx + depth * view.direction_dx);
+    let ahead = dot(ray.direction, normal) / width;
     let first = (pixel + {{ 2 if resolution == 1 else 1 }}) / {{ resolution }} - {{ 4 if resolution == 1 else 2 }};
     var sum = vec2f(0.0);
     {% for y in range(4) %}{% for x in range(4) %}
@@ -26,7 +26,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let there = min({{ resolution }} * at + {{ resolution // 2 }}, vec2i(size) - 1);
         let moved = vec2f(there - pixel);
         let height = (raw.y - depth) * ahead + dot(normal, moved.x * (view.origin_dx + raw.y * view.direction_dx)
-            + moved.y * (view.origin_dy + raw.y * view.direction_dy)) / half_width;
+            + moved.y * (view.origin_dy + raw.y * view.direction_dy)) / width;
         let near = max(1.0 - abs(height), {{ least_weight }});
         sum += select(vec2f(0.0), near * vec2f(raw.x, 1.0), raw.y > 0.0 && all(vec2u(at) < raw_size));
     }

@@ -229,18 +229,18 @@ def filtered(seen: Seen, raw: np.ndarray, resolution: int = 1) -> np.ndarray:
     """The mean of each pixel's window of TILE x TILE, of neighbours near its tangent plane: float64 (height, width).
 
     raw: visibility of the pixels in rows and columns `taken`.  The weight falls linearly with the height over that
-    plane, to LEAST_WEIGHT at half the window, as wide as it is at the pixel's depth.
+    plane, to LEAST_WEIGHT at the width of a pixel of `raw` at the pixel's depth.
     """
     height, width = seen.depth.shape
     rows, columns = taken(height, resolution), taken(width, resolution)
     y0, x0 = ((i + resolution // 2) // resolution - TILE // 2 for i in np.indices(seen.depth.shape))
     positions = seen.positions()
-    half = 0.5 * TILE * resolution * np.linalg.norm(seen.pixel_extent()[0], axis=-1)
+    wide = resolution * np.linalg.norm(seen.pixel_extent()[0], axis=-1)
     total, weights = np.zeros((height, width)), np.zeros((height, width))
     for dy, dx in np.ndindex(TILE, TILE):
         y, x = np.clip(y0 + dy, 0, len(rows) - 1), np.clip(x0 + dx, 0, len(columns) - 1)
         there = (y == y0 + dy) & (x == x0 + dx) & (seen.depth[rows[y], columns[x]] > 0.0)
         off = np.abs(_dot(positions[rows[y], columns[x]] - positions, seen.geometric))
-        near = np.where(there, np.maximum(1.0 - off / half, LEAST_WEIGHT), 0.0)
+        near = np.where(there, np.maximum(1.0 - off / wide, LEAST_WEIGHT), 0.0)
         total, weights = total + near * raw[y, x], weights + near
     return np.where((seen.depth > 0.0) & (weights > 0.0), total / np.where(weights > 0.0, weights, 1.0), 1.0)

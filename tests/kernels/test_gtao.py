@@ -86,9 +86,9 @@ def test_filter_as_the_simulator(device, room, resolution):
     assert sure.mean() > 0.2
     assert np.abs(raw - expected[at])[sure].max() <= ACCURACY
     # Heights over the plane are known within 2^-20 of the depth (the normal's rounding and the position's), and count
-    # in half widths of the window; a weight's change moves the mean by at most as much for each of sixteen.
-    half = 2.0 * resolution * np.linalg.norm(room.seen.pixel_extent()[0], axis=-1)
-    error = 16 * 2.0**-20 * room.seen.depth.max() / half.min()
+    # in widths of a raw pixel; a weight's change moves the mean by at most as much for each of sixteen.
+    wide = resolution * np.linalg.norm(room.seen.pixel_extent()[0], axis=-1)
+    error = 16 * 2.0**-20 * room.seen.depth.max() / wide.min()
     assert np.abs(found - filtered(room.seen, raw, resolution)).max() <= error
 
 
