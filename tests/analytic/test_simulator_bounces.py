@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from octolux.simulator import sh as harmonics
+from octolux.simulator.environment import LUMINANCE
 from octolux.simulator.lpv import bounces, geometry, propagation
 from octolux.simulator.lpv.transfer import SOLID_ANGLE_FAR, SOLID_ANGLE_SIDE
 
@@ -93,7 +94,7 @@ def test_a_wall_sends_light_back():
     far = SOLID_ANGLE_FAR / pi * 0.75
     sides = 4.0 * SOLID_ANGLE_SIDE / pi * (0.25 + 1.0 / sqrt(5.0))
     blocked = far + sides * 0.5 * 2.0 / sqrt(5.0)
-    for spectral, albedo in ((True, np.array([0.8, 0.4, 0.0])), (False, np.array([0.8, 0.4, 0.0]) @ bounces.LUMINANCE)):
+    for spectral, albedo in ((True, np.array([0.8, 0.4, 0.0])), (False, np.array([0.8, 0.4, 0.0]) @ LUMINANCE)):
         reflectance = bounces.cell_reflectance(reflectors, shares, spectral)
         with_wall, without = (propagation.step(light, 1.0, "signed", "face", faces, r) for r in (reflectance, None))
         back = (with_wall - without)[6, 6, 7]

@@ -49,8 +49,8 @@ def test_packing(device, evaluation, dither):
 @pytest.mark.parametrize("steps", [2, 8])
 def test_error_of_the_sum(device, evaluation, steps):
     """A store is off by at most half a gap, 1/16 of a size above a power of two, as a standard deviation, and by 3
-    shares of at most 1/254. Stores of one cell reach others by gain 1, those of k steps add in quadrature: S_i is off by
-    sqrt(i) of that at most, and so is their sum."""
+    shares of at most 1/254. Stores of one cell reach others by gain 1, those of k steps add in quadrature: S_i is off
+    by sqrt(i) of that at most, and so is their sum."""
     light = random_light(16, seed=steps)
     found = run(device, kernel(device, 16, evaluation, "travel", 1.0, "snorm8"), light, steps)
     expected = reference.propagate(light, steps, 1.0, evaluation, "travel")

@@ -29,19 +29,17 @@ from math import pi, sqrt
 import numpy as np
 
 from octolux.simulator import sh as harmonics
+from octolux.simulator.environment import LUMINANCE
 from octolux.simulator.lpv import transfer
 
 BOUNCES = ("none", "mono", "spectral")
-
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-"""Of linear Rec. 709."""
 
 LOBES = harmonics.cosine_lobe(-transfer.DIRECTIONS.astype(np.float64)) / pi
 """Coefficients of one unit of flux reflected at each of the faces in the order of DIRECTIONS, into the cell: (6, 4)."""
 
 
 def reflectors(facing, albedo) -> np.ndarray:
-    """What the step's pre-pass reads of a geometry volume's cells: float64 (..., 3, 4).
+    """What the step's pre-pass reads of a geometry volume's cells, as reflectors.py makes it: float64 (..., 3, 4).
 
     facing: (..., 6) shares of the cell's cross section covered by surfaces that face +x, -x, +y, -y, +z, -z.
     albedo: (..., 3), their mean; its luminance lies beside it.
@@ -49,7 +47,7 @@ def reflectors(facing, albedo) -> np.ndarray:
     facing, albedo = np.asarray(facing, dtype=np.float64), np.asarray(albedo, dtype=np.float64)
     packed = np.zeros((*facing.shape[:-1], 12))
     packed[..., :6], packed[..., 8:11] = facing, albedo
-    packed[..., 11] = albedo @ LUMINANCE
+    packed[..., 11] = albedo @ np.asarray(LUMINANCE)
     return packed.reshape(*facing.shape[:-1], 3, 4)
 
 

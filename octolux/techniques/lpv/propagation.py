@@ -97,8 +97,9 @@ class _Faces:
             bindings += [storage("reflectors", "vec4f"), storage_rw("reflectances", "vec2u", "write")]
         self._pass = ComputePass(
             device, "faces", "techniques/lpv/faces.wgsl", bindings, workgroup=(WORKGROUP, 1, 1),
-            levels=levels.described(BLOCK, beyond=2), row=ROW, evaluation="", access=[], bounces=bounces, block=BLOCK,
-            block_cells=_places(BLOCK), cell_corners=_places((2, 2, 2)), corners=_places(tuple(b + 1 for b in BLOCK)),
+            levels=levels.described(BLOCK, beyond=2), row=ROW, evaluation="", format="", access=[], bounces=bounces,
+            block=BLOCK, block_cells=_places(BLOCK), cell_corners=_places((2, 2, 2)),
+            corners=_places(tuple(b + 1 for b in BLOCK)),
         )  # fmt: skip
 
     def run(self, stage: Any, volumes: dict[str, Any]) -> None:
@@ -185,8 +186,7 @@ class Propagation:
                  *self._blockers(step), *(sums if step.adds else []),
                  *([storage("injected", "vec4f"), storage("peak", "u32")] if step.reads_injected else [])],
                 workgroup=(WORKGROUP, 1, 1), block=BLOCK, first=step.first, adds=step.adds, sources=block_sources(),
-                block_cells=_places(BLOCK),
-                levels=self._travelled.described(BLOCK),
+                block_cells=_places(BLOCK), levels=self._travelled.described(BLOCK),
                 access=["load"] * (not step.first) + ["store"] * step.stores, occluded=step.occluded, **block_faces(),
                 bounces=self._bounces if step.occluded else "none", dither=0.5 * (step.adds > 0),
                 **self._values,
