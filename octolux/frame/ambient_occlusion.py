@@ -29,8 +29,8 @@ class AmbientOcclusion:
     falls to 0, which it has at the radius.  filtered: turn the slices differently in the pixels of 4 x 4 tiles and take
     the mean of a window as large; else all pixels are alike and resolution is 1.
     radius_file: WGSL from the package's folder with `fn ao_radius(position: vec3f) -> f32`, metres at a point of a
-    surface in world space; it may read `bindings`, whose structs are `structs`, and `values`. Without it the radius
-    is one length, which `run` is given.
+    surface in world space; it may read `bindings` (of which one may be a storage texture), whose structs are
+    `structs`, and `values`. Without it the radius is one length, which `run` is given.
     Raises OctoluxError for numbers out of range.
     """
 

@@ -187,6 +187,26 @@ def test_slot_in_a_depth_buffer():
     assert in_slot(width - 1.42 * pixel, height) - slices <= middle <= in_slot(wider, height) + missed + slices
 
 
+@pytest.mark.parametrize("kind", [{"vertical_fov": 1.8}, {"orthographic_height": 2.0}])
+def test_steps_stay_in_the_slice(kind):
+    """Also far from the picture's centre, where a perspective stretches angles: what a slice's pixels see, at any
+    depth, lies in the plane of the sight line and u, on the side of u."""
+    camera = Camera.look_at((1.0, 2.0, 3.0), (0.0, 0.0, 0.0), **kind)
+    seen = seen_planes(camera, (31, 21), (unit((1.0, 2.0, 3.0)), (0.0, 0.0, 0.0), everywhere))
+    (origins, directions), (right, down) = seen.rays(), seen.pixel_extent()
+    eye, positions = -directions / np.linalg.norm(directions, axis=-1, keepdims=True), seen.positions()
+    u = np.cross(eye, unit((0.3, -0.5, 0.8)))
+    u /= np.linalg.norm(u, axis=-1, keepdims=True)
+    side = np.cross(eye, u)
+    step = gtao.pixel_step(u, side, right, down)
+    np.testing.assert_allclose(np.linalg.norm(step, axis=-1), 1.0, atol=1e-12)
+    origin_steps, direction_steps = (np.stack([a[0, 1] - a[0, 0], a[1, 0] - a[0, 0]]) for a in (origins, directions))
+    for pixels, depth in [(1.0, 2.0), (4.0, 5.0)]:
+        sample = origins + pixels * step @ origin_steps + depth * (directions + pixels * step @ direction_steps)
+        assert np.abs(np.sum((sample - positions) * side, axis=-1)).max() < 1e-9
+        assert np.sum((sample - positions) * u, axis=-1).min() > 0.0
+
+
 def test_noise_is_stratified():
     """Each window of a tile's size holds every sixteenth of each of the three once, wherever it lies."""
     noise = tile_noise(*np.indices((11, 9)))

@@ -130,6 +130,15 @@ def test_a_radius_from_the_room(device):
     assert np.abs(found - expected)[sure].max() <= ACCURACY
 
 
+@pytest.mark.parametrize("radius", [1e-6, 1e6])
+def test_any_radius(device, room, radius):
+    """A radius within a pixel holds no other one: nothing is hidden. One beyond the scene still gives shares."""
+    for ao in (AmbientOcclusion(device, 2, 4), AmbientOcclusion(device, 2, 4, filtered=False)):
+        found = run(device, ao, room.frame, radius)
+        assert np.all((found >= 0.0) & (found <= 1.0))
+        assert radius > 1.0 or np.abs(found - 1.0).max() <= ACCURACY
+
+
 def test_follows_the_size(device):
     """Textures are made for the picture's size, also where it is odd, and kept."""
     floor = quad([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)])
