@@ -24,10 +24,11 @@ class AmbientOcclusion:
     """Ambient visibility in [0, 1] of every pixel, cosine-weighted, past what stands within a radius.
 
     slices: planes through the sight line of each pixel; steps: samples of the depth buffer on either side of each; the
-    cost is proportional to their product.  resolution: 1 for every pixel, 2 for every second one in rows and columns (a
-    quarter of the cost) with the pixels between filled in.  falloff: share of the radius over which a blocker's weight
-    falls to 0, which it has at the radius.  filtered: turn the slices differently in the pixels of 4 x 4 tiles and take
-    the mean of a window as large; else all pixels are alike and resolution is 1.
+    cost grows with their product, and so does the shader, in which they are unrolled.  resolution: 1 for every pixel, 2
+    for every second one in rows and columns (a quarter of the samples) with the pixels between filled in.  falloff:
+    share of the radius over which a blocker's weight falls to 0, which it has at the radius.  filtered: turn the slices
+    differently in the pixels of 4 x 4 tiles and take the mean of a window as large; else all pixels are alike and
+    resolution is 1.
     radius_file: WGSL from the package's folder with `fn ao_radius(position: vec3f) -> f32`, metres at a point of a
     surface in world space; it may read `bindings` (of which one may be a storage texture), whose structs are
     `structs`, and `values`. Without it the radius is one length, which `run` is given.
