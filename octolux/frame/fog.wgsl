@@ -74,7 +74,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let part = step;
         {% endif %}
         let share = passed * absorbed(medium.extinction * part);
-        var arriving = lamp_fluence(position, path.origin + (first + 0.5 * step) * path.direction, path.direction, step, order + 5u * number);
+        let middle = path.origin + (first + 0.5 * step) * path.direction;
+        var arriving = lamp_fluence(position, middle, path.direction, step, order, number);
         {% if volume %}
         arriving += volume_fluence(position);
         {% endif %}

@@ -50,8 +50,33 @@ fn fluence_emitter(light: Light, view: u32, position: vec3f, middle: vec3f, dire
 }
 {% endif %}
 
-// number: which sixteenth of the sky's lights is asked, for all. In a tile of 4 x 4 texels all are asked once at each step.
-fn lamp_fluence(position: vec3f, middle: vec3f, direction: vec3f, step: f32, number: u32) -> vec3f {
+{% if sky %}
+{% set parts = 32 if sky >= 32 else 16 %}
+// Some of the sky's lights are asked for all. In a tile of 4 x 4 texels all are asked once at each step, or where they are
+// many in two steps; along a path each texel comes by all of them.
+fn sky_fluence(position: vec3f, order: u32, number: u32) -> vec3f {
+    let part = (order + {{ 17 if parts == 32 else 5 }}u * number) & {{ parts - 1 }}u;
+    var fluence = vec3f(0.0);
+    {% for first in range(0, sky, parts) %}
+    {
+        {% if first + parts > sky %}
+        let there = select(0.0, 1.0, part < {{ sky - first }}u);
+        let index = min({{ first }}u + part, {{ sky - 1 }}u);
+        {% else %}
+        let there = 1.0;
+        let index = {{ first }}u + part;
+        {% endif %}
+        let light = lights[{{ sky_first }}u + index];
+        let lit = there * reaches_coarse({{ sky_view }}u + index, position);
+        fluence += light.color * through_from_afar(light, position) * lit;
+    }
+    {% endfor %}
+    return {{ parts }}.0 * fluence;
+}
+{% endif %}
+
+// order: the texel's place in the dither. number: of the step.
+fn lamp_fluence(position: vec3f, middle: vec3f, direction: vec3f, step: f32, order: u32, number: u32) -> vec3f {
     var fluence = vec3f(0.0);
     {% for kind, first, count, first_view, views_each in groups %}
     {% if unrolled %}
@@ -65,10 +90,7 @@ fn lamp_fluence(position: vec3f, middle: vec3f, direction: vec3f, step: f32, num
     {% endif %}
     {% endfor %}
     {% if sky %}
-    for (var i = number & 15u; i < {{ sky }}u; i += 16u) {
-        let light = lights[{{ sky_first }}u + i];
-        fluence += 16.0 * light.color * through_from_afar(light, position) * reaches_coarse({{ sky_view }}u + i, position);
-    }
+    fluence += sky_fluence(position, order, number);
     {% endif %}
     return fluence;
 }

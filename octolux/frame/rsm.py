@@ -12,6 +12,7 @@ from ..gpu.records import record_texture, records_out, word_texture, words_out
 from ..gpu_scene.gpu_scene import GpuScene
 from ..simulator.rsm import MIN_COSINE
 from .frame import COARSE_BLOCK, Frame, FrameSettings
+from .medium import MEDIUM, MediumBuffers
 from .shader_values import CONSTANTS, surface_values
 from .shadows import ShadowMapPass
 from .structs import LIGHT, RSM_SET, VIEW, VPL, lights_binding, views_binding
@@ -32,22 +33,29 @@ class RSMPass:
         self._room = 0
         stride = settings.shadow_resolution // settings.rsm_resolution
         self._edges = (settings.rsm_resolution, settings.coarse_resolution // COARSE_BLOCK)
-        blocks = ((self._edges[0], stride), (self._edges[1], COARSE_BLOCK))
-        self._passes = [self._made(device, scene, edge, block, surfaces) for edge, block in blocks]
-        self._sets = [device.uniform("RSM set", RSM_SET.array(1)) for _ in blocks]
+        self._scene, self._blocks = scene, (stride, COARSE_BLOCK)
+        self._variants: dict[tuple[int, bool | None], ComputePass] = {}
+        self._sets = [device.uniform("RSM set", RSM_SET.array(1)) for _ in self._blocks]
 
-    @staticmethod
-    def _made(device: Device, scene: GpuScene, resolution: int, stride: int, surfaces: bool) -> ComputePass:
-        outputs = [records_out("vpls", VPL), *([words_out("surfaces")] if surfaces else [])]
+    def _variant(self, number: int, medium: MediumBuffers | None) -> ComputePass:
+        key = (number, medium.has_density if medium else None)
+        if key not in self._variants:
+            self._variants[key] = self._made(self._edges[number], self._blocks[number], medium)
+        return self._variants[key]
+
+    def _made(self, resolution: int, stride: int, medium: MediumBuffers | None) -> ComputePass:
+        outputs = [records_out("vpls", VPL), *([words_out("surfaces")] if self._with_surfaces else [])]
         return ComputePass(
-            device, "RSM", "frame/rsm.wgsl",
+            self.device, "RSM", "frame/rsm.wgsl",
             [
                 views_binding(), lights_binding(), uniform("maps", RSM_SET),
                 texture("shadow_ids", "uint", "2d-array"), *outputs,
+                *(medium.bindings if medium else ()),
             ],
-            structs=[VIEW, LIGHT, VPL, RSM_SET], shared=scene.bindings, shadows=False, surfaces=surfaces,
-            resolution=resolution, stride=stride, min_cosine=MIN_COSINE, **CONSTANTS,
-            **TRAIT_VALUES, **surface_values(scene),
+            structs=[VIEW, LIGHT, VPL, RSM_SET, *([MEDIUM] if medium else [])], shared=self._scene.bindings,
+            shadows=False, surfaces=self._with_surfaces, resolution=resolution, stride=stride, min_cosine=MIN_COSINE,
+            **CONSTANTS, **TRAIT_VALUES, **surface_values(self._scene),
+            **(medium.values if medium else {"medium": False}),
         )  # fmt: skip
 
     def run(self, frame: Frame, shadow_maps: ShadowMapPass) -> None:
@@ -61,7 +69,9 @@ class RSMPass:
         if not any(layers):
             return
         places = ((1, 0), (1 + layers[0], counts[0]))
-        outputs = {"vpls": self._vpls, **({"surfaces": self._surfaces} if self._with_surfaces else {})}
+        others = {"vpls": self._vpls, **({"surfaces": self._surfaces} if self._with_surfaces else {})}
+        if frame.medium:
+            others |= frame.medium.resources
         with frame.profiler.stage("RSM surfaces") as stage:
             for number, maps in enumerate((shadow_maps.main, shadow_maps.coarse)):
                 first_view, first_vpl = places[number]
@@ -70,9 +80,9 @@ class RSMPass:
                 ))  # fmt: skip
                 if layers[number]:
                     edge = self._edges[number]
-                    self._passes[number].run(
+                    self._variant(number, frame.medium).run(
                         stage, (edge, edge, layers[number]), frame.gpu_scene.resources, views=frame.buffers["views"],
-                        lights=frame.buffers["lights"], maps=self._sets[number], shadow_ids=maps.ids, **outputs,
+                        lights=frame.buffers["lights"], maps=self._sets[number], shadow_ids=maps.ids, **others,
                     )  # fmt: skip
 
     def _make_room(self, frame: Frame, vpls: int) -> None:

@@ -3,6 +3,9 @@
 // the texels of any {{ stride }} x {{ stride }} neighbouring blocks are all different and on average lie in the block's middle.
 {{ use("shaders/surface.wgsl") }}
 {{ use("shaders/lights.wgsl") }}
+{% if medium %}
+{{ use("shaders/medium.wgsl") }}
+{% endif %}
 {% if surfaces %}
 {{ use("shaders/traits.wgsl") }}
 {% endif %}
@@ -57,6 +60,13 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     } else {
         received *= footprint;
     }
+    {% if medium %}
+    if view.perspective == 1u {
+        received *= through_from_place(light, hit.position);
+    } else {
+        received *= through_from_afar(light, hit.position);
+    }
+    {% endif %}
     let albedo = reflected * (1.0 - metallic);
     let area = footprint / max(abs(along) / secant, {{ min_cosine }});
     store_vpls(index, Vpl(hit.position, pack_unit_vector(facing * hit.normal), albedo * received, area));

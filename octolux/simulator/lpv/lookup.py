@@ -75,6 +75,19 @@ def irradiance(
     raise ValueError(f"unknown reading '{reading}'; choose one of {', '.join(READINGS)}")
 
 
+def fluence(coefficients, cell_size: float) -> np.ndarray:
+    """Radiance integrated over all directions (..., 3), W/m^2 (lx), at points in the air, by the dominant-lobe reading.
+
+    coefficients: (..., 3, 4), intensity of the volume there.  cell_size: h, metres.
+
+    The two cases of the top of this module: a beam of flux F through a cell has the density F / h^2 on a plane across
+    it, which is its fluence; in a furnace a wall receives E = Phi / (6 h^2), pi times the radiance, of which the
+    fluence is 4 pi times: 4 E = 2/3 Phi / h^2. So it is Phi / h^2 * (a + (1 - a) 2/3).
+    """
+    flux, fraction, _ = harmonics.dominant_lobe(coefficients)
+    return flux / cell_size**2 * (fraction + (1.0 - fraction) * 2.0 / 3.0)
+
+
 def damping(sh, grid: Grid, points, normals) -> np.ndarray:
     """Factor (..., 3) in [0, 1] against light that bleeds through a surface, for the "paper" reading.
 

@@ -6,7 +6,8 @@ from typing import Any
 
 from ...frame.frame import COPY, STORAGE, TEXTURE, Frame
 from ...frame.structs import VIEW, views_binding
-from ...gpu.bindings import sampler, storage, storage_texture, texture, uniform
+from ...frame.volume_light import VolumeLight
+from ...gpu.bindings import Binding, sampler, storage, storage_texture, texture, uniform
 from ...gpu.device import Device
 from ...gpu.passes import ComputePass
 from .constants import GRID, SH_CONSTANTS
@@ -39,9 +40,8 @@ class Lookup:
         self._read = ComputePass(
             device, "lookup", "techniques/lpv/lookup.wgsl",
             [
-                views_binding(), texture("surface_map", "uint"), texture("depth_map"), uniform("grid", GRID),
-                storage("peak", "u32"), *(texture(c, "float", "3d") for c in CHANNELS),
-                sampler("volume_sampler"), storage_texture("irradiance_out", "rgba32float"),
+                views_binding(), texture("surface_map", "uint"), texture("depth_map"), *_volume_bindings(),
+                storage_texture("irradiance_out", "rgba32float"),
             ],
             structs=[VIEW, GRID], reading=reading, damping=damping, lookup_offset=float(lookup_offset), scale=scale,
             **SH_CONSTANTS,
@@ -64,3 +64,14 @@ class Lookup:
             depth_map=frame.targets.depth, grid=grid, peak=peak, volume_sampler=self._sampler,
             irradiance_out=self.irradiance, **self.volumes,
         )  # fmt: skip
+
+    def volume_light(self, grid: Any, peak: Any) -> VolumeLight:
+        """The volumes as fog reads them. grid: uniform buffer of GRID.  peak: of the injection."""
+        resources = {"grid": grid, "peak": peak, "volume_sampler": self._sampler, **self.volumes}
+        file = "techniques/lpv/volume_light.wgsl"
+        return VolumeLight(file, tuple(_volume_bindings()), (GRID,), resources, SH_CONSTANTS)
+
+
+def _volume_bindings() -> list[Binding]:
+    volumes = [texture(c, "float", "3d") for c in CHANNELS]
+    return [uniform("grid", GRID), storage("peak", "u32"), *volumes, sampler("volume_sampler")]

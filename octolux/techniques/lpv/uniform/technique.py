@@ -53,6 +53,8 @@ class UniformLpv(Technique):
             self.propagation.run(stage, self.injection.injected, self.injection.peak, self.settings.iterations)
         with frame.profiler.stage("volumes") as stage:
             self.lookup.write_volumes(stage, self.propagation.light)
+        if frame.medium and self.settings.reading != "thesis":  # whose light has no unit
+            frame.volume_light = self.lookup.volume_light(self._grid_buffer, self.injection.peak)
 
     def shade(self, frame: Frame) -> None:
         with frame.profiler.stage("lookup") as stage:
