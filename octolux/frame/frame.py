@@ -32,10 +32,10 @@ class FrameSettings:
     width, height: pixels.  shadow_resolution: texels along a shadow map's edge.  rsm_resolution: VPLs along an RSM's
     edge, one taken of each block of shadow texels; it divides shadow_resolution.  sky_lights: distant lights that stand
     for the surroundings; 0 leaves these to be seen without lighting anything.  emitter_lights: lights that stand for
-    all area lights and glowing surfaces; 0 leaves these to glow alone.  coarse_resolution: texels along the edge of the
-    shadow maps of both, COARSE_BLOCK of them to a VPL.  fog_resolution: 1, 2 or 4: one path of fog is marched for each
-    block of pixels with that edge.  fog_step: length of a step of fog, in cells of the technique's light volume and of
-    the medium's density.
+    all glowing surfaces, and for area lights in their shadows and indirect light; 0 leaves both to glow alone.
+    coarse_resolution: texels along the edge of the shadow maps of both, COARSE_BLOCK of them to a VPL.  fog_resolution:
+    1, 2 or 4: one path of fog is marched for each block of pixels with that edge.  fog_step: length of a step of fog,
+    in cells of the technique's light volume and of the medium's density.
     """
 
     width: int = 1280

@@ -9,7 +9,7 @@ import pytest
 from gpu_tools import front_camera, material_of, scene_of, small_settings
 
 from octolux.frame.area_lights import AreaLightBuffers, area_lights
-from octolux.frame.direct import _groups
+from octolux.frame.direct import light_groups
 from octolux.frame.emitters import emitter_lights
 from octolux.frame.shader_values import CONSTANTS
 from octolux.gpu.shaders import compose
@@ -229,8 +229,10 @@ def test_what_is_no_flat_convex_shape_is_refused(studio, corner, words):
 @pytest.mark.parametrize("lit", [False, True])
 def test_scenes_without_area_lights_pay_nothing(lit):
     """Their shader has not a word of it."""
-    emitters = emitter_lights(lit_by([lamp()] if lit else [], quad(lamp(5.0).corners), materials=[WHITE]), 4)
-    values = _groups((1, 0, 0, len(emitters), 8), area_lights(emitters))
+    glow = Material(emissive=(1.0, 1.0, 1.0))
+    scene = lit_by([lamp()] if lit else [], quad(lamp(5.0).corners, material=1), materials=(WHITE, glow))
+    emitters = emitter_lights(scene, 4)
+    values = light_groups((1, 0, 0, len(emitters), 8), area_lights(emitters))
     values |= {**AreaLightBuffers.values(), **CONSTANTS}
-    text = compose("frame/direct.wgsl", shadows=True, workgroup="8, 8", **values).text
+    text = compose("frame/direct.wgsl", shadows=True, medium=False, workgroup="8, 8", **values).text
     assert ("ltc_table" in text) == ("area_lights" in text) == lit
