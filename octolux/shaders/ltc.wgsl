@@ -91,15 +91,21 @@ fn area_light_radiance(light: AreaLight, position: vec3f, to_eye: vec3f, s: Surf
     let nothing = Cut(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     var cosine = nothing; // the diffuse lobe, cut at the surface's horizon
     var moved = nothing; // the specular, cut there too, moved, and cut at the cosine's horizon
-    let corner0 = light.corner - position;
-    let corner1 = corner0 + light.edge0;
-    let corner2 = corner1 + light.edge1;
-    let corner3 = corner2 + light.edge2;
-    let edge3 = -(light.edge0 + light.edge1 + light.edge2);
+    // Angles do not change with the scale; at that of 1 no square leaves float32, however far the light and smooth the surface.
+    let first = light.corner - position;
+    let third = first + light.edge0 + light.edge1;
+    let scale = inverseSqrt(max(dot(first, first) + dot(third, third), 1e-37));
+    let corner0 = scale * first;
+    let edge0 = scale * light.edge0;
+    let edge1 = scale * light.edge1;
+    let edge2 = scale * light.edge2;
+    let corner1 = corner0 + edge0;
+    let corner2 = corner1 + edge1;
+    let corner3 = corner2 + edge2;
+    let edge3 = -(edge0 + edge1 + edge2);
     let heights = vec4f(dot(s.normal, corner0), dot(s.normal, corner1), dot(s.normal, corner2), dot(s.normal, corner3));
     {% for i in range(4) %}
-    {% set edge = "edge3" if i == 3 else "light.edge%d" % i %}
-    let side{{ i }} = Side(corner{{ i }}, {{ edge }});
+    let side{{ i }} = Side(corner{{ i }}, edge{{ i }});
     cosine = with_side(cosine, side{{ i }}, heights[{{ i }}], heights[{{ (i + 1) % 4 }}]);
     moved = with_moved(moved, lobe, above_plane(side{{ i }}, heights[{{ i }}], heights[{{ (i + 1) % 4 }}]));
     {% endfor %}

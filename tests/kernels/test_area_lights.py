@@ -148,6 +148,23 @@ def test_glossy_surfaces_against_the_reference(studio, material, height):
     np.testing.assert_allclose(picture.layers["direct"], expected, atol=1e-4 * expected.max())
 
 
+@pytest.mark.parametrize("scale", [1e-6, 1e3, 1e8])
+@pytest.mark.parametrize("roughness", [0.0, 0.5])
+def test_the_scale_does_not_matter(studio, scale, roughness):
+    """A metal floor under a square, and both larger or smaller with all distances. Rounding moves the lobe, alpha wide,
+    by some 4 steps."""
+    pictures = []
+    for size in (1.0, scale):
+        light = AreaLight(corners=tuple(tuple(size * np.array(c)) for c in lamp(1.0).corners), radiance=GLOW)
+        metal = Material(metallic=1.0, roughness=roughness)
+        scene = scene_of([floor(8.0 * size)], [metal], lights=[light])
+        eye = Camera.look_at((0.0, 1.0 * size, 1.5 * size), (0.0, 0.0, 0.0), vertical_fov=0.8, near=0.01 * size)
+        pictures.append(studio(scene, eye).layers["direct"])
+    assert pictures[0].max() > 0.1 * GLOW[2]
+    tolerance = 4 * ROUNDING / float(brdf.alpha_of(roughness)) + 1e-5
+    np.testing.assert_allclose(pictures[1], pictures[0], atol=tolerance * pictures[0].max())
+
+
 def test_behind_it_is_dark(studio):
     upward = AreaLight(corners=lamp().corners[::-1], radiance=GLOW)
     assert not studio(lit_by([upward]), above()).layers["direct"].any()
