@@ -37,7 +37,7 @@ ROUGHNESS = (0.2, 0.3, 0.5, 0.7, 1.0)
 VIEWS_OF_GLOSS = {"steep": 2.0, "slanted": 1.0, "grazing": 0.3}
 """Height of an eye 2 m before the middle of a floor, m: n.v is 0.7, 0.45 and 0.15 there."""
 WAYS = ("ltc", "points")
-_FRAMES = 9
+_FRAMES = 15
 
 
 def square(height: float, x: float = 0.0) -> AreaLight:
@@ -173,17 +173,18 @@ def area_cornell() -> dict[str, float]:
         ("cornell.ltc", "cornell.points", "conference"), "ms"))  # fmt: skip
 def area_cost() -> dict[str, float]:
     """Direct light at 640x360, ms: the Cornell box by both ways, taking turns, and the conference, which has no area
-    light and whose shader has nothing of them: medians."""
+    light and whose shader has nothing of them: medians, also of the two ways' ratios frame by frame."""
     view = VIEWS["cornell_area"]
     scenes = {"cornell.ltc": (scene_of(view), view.camera), "cornell.points": (as_mesh(scene_of(view)), view.camera),
               "conference": (octolux.load("conference").at(0.0), "door")}  # fmt: skip
     renderers = {name: _renderer(scene, (640, 360), profile=True) for name, (scene, _) in scenes.items()}
-    for number in range(_FRAMES + 2):
+    times: dict[str, list[float]] = {name: [] for name in scenes}
+    for _ in range(_FRAMES + 2):
         for name, renderer in renderers.items():
-            if number == 2:
-                renderer.profiler.clear()
+            renderer.profiler.clear()
             renderer.render(scenes[name][1])
-    found = {}
-    for name, renderer in renderers.items():
-        found[name] = next(row["median_ms"] for row in renderer.profiler.stages() if row["name"] == "direct light")
-    return {**found, "cornell.ratio": found["cornell.ltc"] / found["cornell.points"]}
+            rows = renderer.profiler.stages()
+            times[name].append(next(row["median_ms"] for row in rows if row["name"] == "direct light"))
+    steady = {name: np.array(values[2:]) for name, values in times.items()}
+    ratio = float(np.median(steady["cornell.ltc"] / steady["cornell.points"]))
+    return {name: float(np.median(values)) for name, values in steady.items()} | {"cornell.ratio": ratio}
