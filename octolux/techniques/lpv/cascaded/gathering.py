@@ -1,0 +1,92 @@
+"""Light straight from cell to cell, each way in cells that suit its length (octree-lpv's gathering, in cascades)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ....frame.frame import COPY, STORAGE, TEXTURE, Frame
+from ....frame.scene_surfels import SceneSurfels
+from ....gpu.device import Device
+from ....simulator.lpv.octree import level_sizes
+from ..bouncing.bounces import Bounces
+from ..gathering.gathering import Gathering
+from ..geometry import GeometryVolume
+from ..injection import Injection
+from ..levels import Levels
+from ..reflectors import Reflectors
+from ..volume import vpl_sources
+from .cascades import Cascades
+from .settings import CascadedLpvSettings
+
+_SAMPLES = 2  # of a wall, along each edge of a cell of the finest grid
+
+
+class CascadedGathering:
+    """`irradiance` holds what the camera sees lit after `shade`."""
+
+    def __init__(self, device: Device, cascades: Cascades, settings: CascadedLpvSettings):
+        self.device, self.cascades, self.settings = device, cascades, settings
+        s = settings
+        self.levels = Levels([s.n] * (s.cascades - 1) + level_sizes(s.n), s.cascades)
+        self.injection = Injection(device, s.n, cells=self.levels.cells, grids=s.cascades)
+        camera = s.surfels == "lamps and camera"
+        self.scene_surfels = SceneSurfels(device) if s.surfels == "scene" else None
+        self.geometry = GeometryVolume(device, self.levels, camera, planes=True) if s.occlusion else None
+        self.gathering = Gathering(
+            device, self.levels, occlusion=s.occlusion, lookup_offset=s.lookup_offset, everywhere=False
+        )
+        self.reflectors = self.bounces = None
+        if s.bounces > 1:
+            self.reflectors = Reflectors(device, self.levels, 0.5, camera, squares=True)
+            self.bounces = Bounces(device, self.levels, s.bounces - 1, occlusion=s.occlusion)
+        self.irradiance: Any = None
+
+    def prepare(self, frame: Frame) -> None:
+        if self.irradiance is None or self.irradiance.size[:2] != frame.pixels:
+            usage = STORAGE | TEXTURE | COPY
+            self.irradiance = self.device.texture("LPV irradiance", frame.pixels, "rgba32float", usage=usage)
+
+    def update(self, frame: Frame) -> None:
+        profiler, grids = frame.profiler, self.cascades.grids
+        grids_buffer, windows = self.cascades.grids_buffer, self.cascades.windows_buffer
+        with profiler.stage("injection") as stage:
+            sources = vpl_sources(frame, grids[-1], self.settings.injection)
+            self.injection.run(stage, grids_buffer, frame.vpls, sources)
+        if self.scene_surfels:
+            self.scene_surfels.run(frame, np.array(grids[-1].origin), grids[0].cell_size / _SAMPLES)
+        if self.geometry:
+            with profiler.stage("geometry volume") as stage:
+                self.geometry.run(stage, frame, grids_buffer, windows, self.scene_surfels)
+                self.geometry.pack(stage)
+        if self.bounces and self.reflectors:
+            with profiler.stage("bounces") as stage:
+                self.reflectors.run(stage, frame, grids_buffer, self.scene_surfels)
+                self.bounces.run(
+                    stage, self.injection.injected, self.injection.peak, self.reflectors.reflectors,
+                    self.geometry.packed if self.geometry else None, windows,
+                )  # fmt: skip
+        with profiler.stage("downsampling") as stage:
+            self.gathering.forget(stage)
+            self.gathering.update(stage, self.injection.injected, windows)
+
+    def shade(self, frame: Frame) -> None:
+        peak, grids, windows = self.injection.peak, self.cascades.grids_buffer, self.cascades.windows_buffer
+        with frame.profiler.stage("propagation") as stage:
+            shares = self.geometry.packed if self.geometry else None
+            self.gathering.mark(stage, frame, grids, windows)
+            self.gathering.gather(stage, peak, shares, windows)
+        with frame.profiler.stage("lookup") as stage:
+            self.gathering.read(stage, frame, grids, peak, self.irradiance, windows)
+
+    def debug_views(self) -> dict[str, Any]:
+        """"injected": a list of float32 [z][y][x][rgb][4], W/sr, one for each level; "blocked": the same of
+        [z][y][x][3], shares of the cross section."""
+        views = {"injected": self._read(self.injection.injected, (3, 4))}
+        if self.geometry:
+            views["blocked"] = [level[..., :3] for level in self._read(self.geometry.shares, (4,))]
+        return views
+
+    def _read(self, buffer: Any, cell: tuple[int, ...]) -> list[np.ndarray]:
+        return self.levels.split(np.frombuffer(self.device.queue.read_buffer(buffer), np.float32).reshape(-1, *cell))
