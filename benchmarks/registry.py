@@ -17,7 +17,7 @@ MODULES = (
     "closed_form", "injected_flux", "readings", "kernels", "light_kernels", "determinism", "ground_truth",
     "comparison", "stages", "injection", "propagation", "shadow_faces", "raytracing", "path_tracing", "crytek",
     "loading", "bad_input", "mutated", "live", "sequences", "olpv_kernels", "olpv_table1", "olpv_sparse",
-    "olpv_artefacts", "clpv_propagation", "clpv_ao", "clpv_emitted", "clpv_area",
+    "olpv_artefacts", "clpv_propagation", "clpv_ao", "clpv_emitted", "clpv_area", "clpv_fog",
 )  # fmt: skip
 
 

@@ -53,9 +53,8 @@ class Picture:
         self._indirect = device.read_texture(frame.indirect, np.float32, 4)[..., :3] if frame.indirect else None
         self._irradiance = self._optional(device, frame.irradiance)
         self._specular = self._optional(device, frame.specular)
-        self._fog = self._optional(device, frame.inscattered)
-        clear = np.ones_like(self._fog)
-        self._transmittance = clear if frame.transmittance is None else self._optional(device, frame.transmittance)
+        fog = (frame.inscattered, frame.transmittance)
+        self._fog = [device.read_texture(part, np.float32, 4)[..., :3] for part in fog if part is not None]
         emissive = t.emissive if frame.gpu_scene.has_emission else None
         self._emissive = self._optional(device, emissive)
         self._ids = device.read_texture(t.ids, np.uint32, 1)[..., 0]
@@ -120,6 +119,7 @@ class Picture:
         irradiance = self._irradiance[..., :3] * self._irradiance[..., 3:]
         specular = self._specular[..., :3]
         gathered = albedo / np.float32(pi) * irradiance + specular
+        fog, transmittance = self._fog or (np.zeros_like(self.radiance), np.ones_like(self.radiance))
         normal = np.where(mask[..., None], unpack_normals(s[..., 0]), 0).astype(np.float32)
         return {
             "radiance": self.radiance,
@@ -135,8 +135,8 @@ class Picture:
             "alpha": self.alpha,
             "noise": self.noise,
             "object_id": self._object_ids(),
-            "fog": self._fog[..., :3],
-            "transmittance": self._transmittance[..., :3],
+            "fog": fog,
+            "transmittance": transmittance,
             "motion": self._motion(),
         }
 

@@ -134,6 +134,7 @@ def _facts(
     level: float | None, command: str, notes: list[str],
 ) -> dict[str, Any]:  # fmt: skip
     settings = replace(studio.frame_settings or FrameSettings(), width=studio.size[0], height=studio.size[1])
+    air = ["the scene has a medium: references by path tracing have clear air"] if scene.medium else []
     missing = [f"no FLIP: {flip_missing()}"] if flip_missing() else []
     return {
         "octolux": __version__,
@@ -155,7 +156,7 @@ def _facts(
         },
         "compared_pixels": int(mask.sum()),
         "lit_level_nits": level,
-        "notes": [*notes, *missing],
+        "notes": [*notes, *missing, *air],
     }  # fmt: skip
 
 
