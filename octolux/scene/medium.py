@@ -13,6 +13,9 @@ from .materials import Color
 MOST_CELLS = 2048
 """Along an edge of a density: as many as every device's 3D textures have."""
 
+FARTHEST = 1e9
+"""Metres from the origin to a box's faces: squares of distances are then far within float32."""
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Medium:
@@ -71,6 +74,8 @@ class Medium:
         if corners.shape != (2, 3) or not np.isfinite(corners).all() or not (corners[0] < corners[1]).all():
             problem = f"the box from {tuple(self.low)} to {tuple(self.high)} is empty or not finite"
             raise _fault("high", problem, "give three numbers, each larger than that of 'low'")
+        if np.abs(corners).max() > FARTHEST:
+            raise _fault("high", f"the box reaches beyond {FARTHEST:g} m", "give a smaller box")
 
 
 def _fault(place: str, problem: str, remedy: str) -> SceneError:

@@ -122,6 +122,16 @@ def test_fog_step_is_in_cells(device):
     assert relative(coarse, fine) < FLOAT
 
 
+@pytest.mark.parametrize("lights", [[SUN], [LAMP, SPOT]], ids=["sun", "lamps"])
+def test_light_of_lamps_does_not_depend_on_the_steps(device, lights):
+    """Steps of 0.1 and of 0.4 m: as above, but the fluence changes along the path."""
+    volumes = (even_volume(0.0, cell) for cell in (0.1, 0.4))
+    fine, coarse = (render(device, wall(), HAZE, lights, volume, size=(192, 128)) for volume in volumes)
+    found, wanted = coarse.layers["fog"].astype(np.float64), fine.layers["fog"].astype(np.float64)
+    assert abs(found.mean() / wanted.mean() - 1.0) < 0.02
+    assert np.abs(found - wanted).mean() < 0.02 * wanted.mean()
+
+
 def test_a_furnace_stays_as_it_is(device):
     """Nothing absorbs, radiance is 2 everywhere: the sky behind, and 8 pi of fluence. Seen is 2."""
     scene = replace(wall(half=0.5), environment=Environment((2.0, 2.0, 2.0)))
@@ -147,6 +157,27 @@ def test_the_sky_lights_a_thin_medium_as_a_furnace(device):
     clear = ~picture.mask & ~away
     assert source.max() <= 2.0 * (1 + 1e-3), "more than the sky has"
     assert np.median(source[clear]) > 2.0 * (1 - 0.03)
+
+
+@pytest.mark.parametrize("scattering", [0.1, 1.0, 30.0])
+def test_no_light_is_made(device, scattering):
+    """Of an even sky through a medium that only scatters: never more than the sky, and less the denser it is, as what
+    is scattered twice is lost."""
+    scene = replace(wall(half=0.5), environment=Environment((2.0, 2.0, 2.0)))
+    picture = render(device, scene, Medium(scattering=(scattering,) * 3, low=LOW, high=HIGH), sky_lights=40)
+    assert picture.radiance.max() <= 2.0 * (1 + FLOAT)
+    assert np.all(picture.layers["fog"] + 2.0 * picture.layers["transmittance"] <= 2.0 * (1 + FLOAT))
+
+
+@pytest.mark.parametrize("coefficient", [1e-40, 1e-20, 1e10, 1e30])
+@pytest.mark.parametrize("far", [4.0, 1e9])
+def test_extreme_media_stay_finite(device, coefficient, far):
+    scene = replace(wall(half=0.5), environment=Environment((2.0, 2.0, 2.0)))
+    medium = Medium(scattering=(coefficient,) * 3, absorption=(coefficient, 0.0, 0.0), low=(-far,) * 3, high=(far,) * 3)
+    picture = render(device, scene, medium, [SUN, LAMP, SPOT])
+    assert np.isfinite(picture.radiance).all() and picture.radiance.min() >= 0.0
+    passed = picture.layers["transmittance"]
+    assert passed.min() >= 0.0 and passed.max() <= 1.0
 
 
 @pytest.mark.parametrize("resolution", [1, 2])

@@ -36,6 +36,7 @@ MISTAKES = {
     "other half": ({"high": (0.0, 0.0, 0.0)}, "low", "missing"),
     "empty box": ({"low": (0.0, 1.0, 0.0), "high": (1.0, 1.0, 1.0)}, "high", "empty"),
     "box without end": ({"low": (0.0, 0.0, 0.0), "high": (1.0, np.inf, 1.0)}, "high", "not finite"),
+    "box to the stars": ({"low": (0.0, 0.0, 0.0), "high": (1.0, 1e10, 1.0)}, "high", "beyond 1e+09 m"),
     "flat box": ({"low": (0.0, 0.0), "high": (1.0, 1.0)}, "high", "empty"),
 }
 
