@@ -42,13 +42,19 @@ def stored_faces(device, made: Propagation, level: int = 0) -> np.ndarray:
 
 @pytest.mark.parametrize("n", [1, 4, N])
 def test_faces_are_rounded_to_thousandths(device, n):
-    """To the nearest of 1023 steps, but where float32 rounds to the other side of the middle between two."""
+    """To the nearest of 1023 steps, but where float32 rounds to the other side of the middle between two; and where
+    less would be blocked than 1/sqrt(5) of the rounded share across the face, up to it: by 0.5 / sqrt(5) and a step."""
     shares = np.random.default_rng(n).uniform(0.0, 1.2, (n, n, n, 3)).clip(max=1.0).astype(np.float32)
     made = kernel(device, (N, n))
     light = np.concatenate([random_light(k).reshape(-1, 3, 4) for k in (N, n)])
     run(device, made, light, 2, device.buffer("shares", packed([np.zeros((N, N, N, 3)), shares])))
     steps = (stored_faces(device, made, 1) - geometry.face_transmittance(shares)) * formats.STEPS
-    assert np.abs(steps).max() <= 0.5 + formats.STEPS * 2.0**-21  # some eight roundings in float32, of 1 at most
+    rounding = formats.STEPS * 2.0**-21  # some eight in float32, of 1 at most
+    assert steps.max() <= 0.5 + rounding and steps.min() >= -0.5 / np.sqrt(5.0) - 1.0 - rounding
+    assert np.mean(np.abs(steps) > 0.5 + rounding) < 0.05
+    blocked = 1.0 - stored_faces(device, made, 1)
+    straight = np.einsum("zyxaa->zyxa", blocked)[..., None] / np.sqrt(5.0)
+    assert np.all(blocked >= straight - 1e-12)
     np.testing.assert_array_equal(stored_faces(device, made, 0), 1.0)
 
 

@@ -2,7 +2,8 @@
 
 Thousandths. Three numbers of [0, 1] lie in the 10-bit fields of a word, in steps of 1/1023, rounded to the nearest: 0
 and 1 stay what they are, others move by at most half a step, 4.9e-4. A step with the stored numbers creates no light:
-what a face blocks is one less what it lets through, both of the same stored number (bounces.py).
+what a face blocks is one less what it lets through, both of the same stored number (bounces.py). So that the part of
+surfaces across the face is in what light from the side is stored to lose, that may be rounded by 1.2 steps.
 
 Byte cells ("snorm8"). A channel of a cell is one word, half of what half floats take: three numbers of 8 bits, signed
 normalised, and one of 8 bits, a size that they are shares of. What is stored is the emission e that a step reads

@@ -34,8 +34,9 @@ class Levels:
         return sum(n**3 for n in self.sizes[:level])
 
     def threads(self, block: tuple[int, int, int] = (1, 1, 1), beyond: int = 0) -> list[int]:
-        """Threads of each level, one for a block of cells, in whole workgroups. beyond: cells more along each side."""
-        counts = [prod((n + beyond) // b for b in block) for n in self.sizes]
+        """Threads of each level, one for a block of cells or part of one, in whole workgroups. beyond: cells more along
+        each side."""
+        counts = [prod(-(-(n + beyond) // b) for b in block) for n in self.sizes]
         return [-(-count // WORKGROUP) * WORKGROUP for count in counts]
 
     def dispatched(self, block: tuple[int, int, int] = (1, 1, 1), beyond: int = 0) -> tuple[int, int]:

@@ -16,6 +16,7 @@ from .levels import ROW, WORKGROUP, Levels
 # Cells a thread does: neighbours in y and z share loads, while threads side by side in x read what lies side by side.
 # Each cell is a neighbour of another in its block, so all of the block's own cells are read.
 BLOCK = (1, 2, 2)
+FACE_BLOCK = (2, 2, 8)  # of faces.wgsl, whose threads walk along z
 CELL_TYPES = {"f32": "vec4f", "f16": "vec2u", "snorm8": "u32"}
 CELL_BYTES = {"f32": 48, "f16": 24, "snorm8": 12}
 
@@ -87,7 +88,7 @@ class _Faces:
     along +x, +y, +z and along -x, -y, -z."""
 
     def __init__(self, device: Device, levels: Levels, bounces: str):
-        self._threads = levels.dispatched(BLOCK, beyond=2)
+        self._threads = levels.dispatched(FACE_BLOCK, beyond=1)
         faces = device.buffer("LPV faces", size=levels.stored * 12)
         self.made = {"faces": faces}
         bindings = [storage("shares", "vec4f"), storage_rw("faces", "u32", "write")]
@@ -97,9 +98,8 @@ class _Faces:
             bindings += [storage("reflectors", "vec4f"), storage_rw("reflectances", "vec2u", "write")]
         self._pass = ComputePass(
             device, "faces", "techniques/lpv/faces.wgsl", bindings, workgroup=(WORKGROUP, 1, 1),
-            levels=levels.described(BLOCK, beyond=2), row=ROW, evaluation="", format="", access=[], bounces=bounces,
-            block=BLOCK, block_cells=_places(BLOCK), cell_corners=_places((2, 2, 2)),
-            corners=_places(tuple(b + 1 for b in BLOCK)),
+            levels=levels.described(FACE_BLOCK, beyond=1), row=ROW, evaluation="", format="", access=[],
+            bounces=bounces, block=FACE_BLOCK, block_cells=_places(FACE_BLOCK[:2]),
         )  # fmt: skip
 
     def run(self, stage: Any, volumes: dict[str, Any]) -> None:

@@ -13,7 +13,8 @@
 {# What the geometry volume lets through the face of cell `key` at the upper or lower end of `axis`, to light along `travel`. #}
 {% macro passing(key, axis, upper, travel) %}{% if occluded %}{{ face_names[key][axis][upper|int] }}.{{ travel }} * {% endif %}{% endmacro %}
 
-{% macro blocked(key, axis, upper, travel, part) %}{{ part }}_{{ face_names[key][axis][upper|int] }}.{{ travel }}{% endmacro %}
+{% macro across(key, axis, upper, travel) %}across_{{ face_names[key][axis][upper|int] }}.{{ travel }}{% endmacro %}
+{% macro straight(key, upper) %}vec3f({% for axis in "xyz" %}{{ "" if loop.first else ", " }}straight_{{ face_names[key][axis][upper|int] }}{% endfor %}){% endmacro %}
 
 {# What injected light at `offset` counts: nothing outside the volume, where no light is stored. #}
 {% macro scale_at(offset) %}scale{% for k in range(3) if offset[k] < 0 or offset[k] >= block[k] %}_{{ "xyz"[k] }}{{ (offset[k] > 0)|int }}{% endfor %}{% endmacro %}
@@ -57,8 +58,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let {{ face.name }} = unpack_thousandths(faces[stored_index(level, base + vec3i({{ face.cell|join(", ") }}), 0u) + {{ face.axis }}u]);
     {% if bounces != "none" %}
     // Blocked by surfaces across the face's own axis, and by those across the way of the light (bounces.py, `reflected`).
-    let straight_{{ face.name }} = min(1.0 - {{ face.name }}, vec3f({{ 5 ** -0.5 }} * (1.0 - {{ face.name }}.{{ "xyz"[face.axis] }})));
-    let across_{{ face.name }} = 1.0 - {{ face.name }} - straight_{{ face.name }};
+    let straight_{{ face.name }} = {{ 5 ** -0.5 }} * (1.0 - {{ face.name }}.{{ "xyz"[face.axis] }});
+    let across_{{ face.name }} = vec3f(1.0 - straight_{{ face.name }}) - {{ face.name }};
     {% endif %}
     {% endfor %}
     {% for cell in block_cells if bounces == "mono" %}
@@ -68,11 +69,14 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     {% endfor %}
     for (var channel = 0u; channel < 3u; channel++) {
         {% for cell in block_cells %}
-        var total_{{ loop.index0 }} = 0.0;
-        var vector_{{ loop.index0 }} = vec3f(0.0);
+        {% set key = loop.index0 %}
+        var total_{{ key }} = 0.0;
+        var vector_{{ key }} = vec3f(0.0);
         {% if bounces != "none" %}
-        var back_up_{{ loop.index0 }} = vec3f(0.0); // blocked on its way along +x, +y and +z
-        var back_down_{{ loop.index0 }} = vec3f(0.0);
+        {% for way in ("up", "down") %}
+        var back_{{ way }}_{{ key }} = vec3f(0.0); // blocked by surfaces across the way of the light
+        var slanted_{{ way }}_{{ key }} = vec3f(0.0); // at faces, from the side
+        {% endfor %}
         {% endif %}
         {% endfor %}
         {% for cell in block_cells if adds %}
@@ -87,7 +91,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             let e = load_at(u32(here + i32(channel) + {{ beside(source.offset, "row", "slab") }}));
             {% endif %}
             {% for use in source.uses %}
-            {{ step.receive(use.cell, use.axis, use.sign, passing, blocked if bounces != "none" else none) }}
+            {{ step.receive(use.cell, use.axis, use.sign, passing, across if bounces != "none" else none) }}
             {% endfor %}
             {% if adds and source.own is not none %}
             former_{{ source.own }} = {% if first %}c{% else %}from_emission(e){% endif %};
@@ -95,23 +99,23 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         }
         {% endfor %}
         {% for cell in block_cells %}
+        {% set key = loop.index0 %}
         {
             {% if bounces != "none" %}
             {% if bounces == "spectral" %}
             let reflectance = reflectances[3u * u32(cell_here + {{ beside_light(cell) }}) + channel];
-            let up = back_up_{{ loop.index0 }} * unpack_thousandths(reflectance.x);
-            let down = back_down_{{ loop.index0 }} * unpack_thousandths(reflectance.y);
-            {% else %}
-            let up = back_up_{{ loop.index0 }} * reflects_up_{{ loop.index0 }};
-            let down = back_down_{{ loop.index0 }} * reflects_down_{{ loop.index0 }};
+            let reflects_up_{{ key }} = unpack_thousandths(reflectance.x);
+            let reflects_down_{{ key }} = unpack_thousandths(reflectance.y);
             {% endif %}
-            total_{{ loop.index0 }} += dot(up + down, vec3f(1.0));
-            vector_{{ loop.index0 }} += down - up;
+            let up = (back_up_{{ key }} + slanted_up_{{ key }} * {{ straight(key, true) }}) * reflects_up_{{ key }};
+            let down = (back_down_{{ key }} + slanted_down_{{ key }} * {{ straight(key, false) }}) * reflects_down_{{ key }};
+            total_{{ key }} += dot(up + down, vec3f(1.0));
+            vector_{{ key }} += down - up;
             {% endif %}
-            let c = vec4f({{ lobe0 }} * total_{{ loop.index0 }}, {{ lobe1 }} * vector_{{ loop.index0 }}.yzx);
+            let c = vec4f({{ lobe0 }} * total_{{ key }}, {{ lobe1 }} * vector_{{ key }}.yzx);
             {% if adds %}
             let number = u32(light_here + i32(channel) + {{ beside(cell, "light_row", "light_slab") }});
-            let terms = c + former_{{ loop.index0 }};
+            let terms = c + former_{{ key }};
             {% if adds == 3 %}
             let start = scale * injected[number];
             light[number] = start + terms;
@@ -119,7 +123,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             light[number] {{ "=" if begins else "+=" }} terms;
             {% endif %}
             {% if marks %}
-            largest_{{ loop.index0 }} = max(largest_{{ loop.index0 }}, max({{ "max(start.x, c.x)" if adds == 3 else "c.x" }}, former_{{ loop.index0 }}.x));
+            largest_{{ key }} = max(largest_{{ key }}, max({{ "max(start.x, c.x)" if adds == 3 else "c.x" }}, former_{{ key }}.x));
             {% endif %}
             {% endif %}
             {% if "store" in access %}

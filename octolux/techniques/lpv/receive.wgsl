@@ -4,9 +4,10 @@
 {# Flux that cell `key` receives from the neighbour with emission e when light travels along `sign` `axis`: added to
    total_KEY and, times the lobes' directions, to vector_KEY. passing(key, axis, upper, travel): text of a factor, with
    its `*`, of what comes through the face at the upper or lower end of `axis` to light along the axis `travel`.
-   blocked(key, axis, upper, travel, part), if given: text of the share that the face blocks, to be added to back_up_KEY or
-   back_down_KEY by the direction that it is reflected against: "straight" that of the face, "across" that of the travel. #}
-{% macro receive(key, axis, sign, passing, blocked=none) %}
+   across(key, axis, upper, travel), if given: text of the share of light along `travel` that surfaces across it block at the
+   face. What they block goes to back_up_KEY or back_down_KEY, by `sign`; and all light that meets a face at a slant is added to
+   slanted_up_KEY or slanted_down_KEY, by the face's end: surfaces across the face's axis block one share of it. #}
+{% macro receive(key, axis, sign, passing, across=none) %}
     {% set way = "up" if sign == "1.0" else "down" %}
     {
         let along = {{ sign }} * e.{{ axes[axis] }};
@@ -15,29 +16,29 @@
         let base = {{ side0 }} * e.x + {{ side_d }} * along;
         let outside = {{ outside_side }} * e.x;
         var sides = 0.0;
-        {% if blocked %}
+        {% if across %}
         var back = far - far_passed;
         {% endif %}
         {% for other in "xyz" if other != axis %}
         {
-            let across = {{ side_s }} * e.{{ axes[other] }};
-            let up = outside + {{ within("base + across") }};
-            let down = outside + {{ within("base - across") }};
+            let aside = {{ side_s }} * e.{{ axes[other] }};
+            let up = outside + {{ within("base + aside") }};
+            let down = outside + {{ within("base - aside") }};
             let up_passed = {{ passing(key, other, true, axis) }}up;
             let down_passed = {{ passing(key, other, false, axis) }}down;
             sides += up_passed + down_passed;
             vector_{{ key }}.{{ other }} += {{ side_across }} * (up_passed - down_passed);
-            {% if blocked %}
-            back_up_{{ key }}.{{ other }} += {{ blocked(key, other, true, axis, "straight") }} * up;
-            back_down_{{ key }}.{{ other }} += {{ blocked(key, other, false, axis, "straight") }} * down;
-            back += {{ blocked(key, other, true, axis, "across") }} * up + {{ blocked(key, other, false, axis, "across") }} * down;
+            {% if across %}
+            slanted_up_{{ key }}.{{ other }} += up;
+            slanted_down_{{ key }}.{{ other }} += down;
+            back += {{ across(key, other, true, axis) }} * up + {{ across(key, other, false, axis) }} * down;
             {% endif %}
         }
         {% endfor %}
         total_{{ key }} += far_passed + sides;
         vector_{{ key }}.{{ axis }} += {{ sign }} * (far_passed{% if side_along %} + {{ side_along }} * sides{% endif %});
-        {% if blocked %}
-        back_{{ way }}_{{ key }}.{{ axis }} += back;
+        {% if across %}
+        back_{{ way }}_{{ key }}.{{ axis }} = back;
         {% endif %}
     }
 {% endmacro %}
