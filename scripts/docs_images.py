@@ -12,6 +12,7 @@ from PIL import Image
 
 import octolux
 from octolux.gpu.device import Device
+from octolux.scene.medium import Medium
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "docs" / "images"
@@ -28,10 +29,19 @@ def display(device: Device, scene: str, technique: str, size: tuple[int, int]) -
     return octolux.Renderer(octolux.load(scene), technique, size=size, anti_aliasing=8, device=device).render().display
 
 
+def fog(device: Device) -> np.ndarray:
+    """The picture of docs/rendering.md, "Fog"."""
+    scene = octolux.load("atrium")
+    scene.medium = Medium(scattering=(0.08, 0.08, 0.08))
+    eye = octolux.Camera.look_at((9.5, 2.0, -0.8), (-6.0, 3.2, 1.5), vertical_fov=1.13)
+    return octolux.Renderer(scene, size=(960, 540), anti_aliasing=8, exposure=12.0, device=device).render(eye).display
+
+
 def main() -> None:
     FOLDER.mkdir(parents=True, exist_ok=True)
     device = Device()
     save("atrium", [display(device, "atrium", "octree-lpv", (1280, 720))])
+    save("fog-atrium", [fog(device)])
     save("cornell-box", [display(device, "cornell-box", t, (480, 480)) for t in ("none", "octree-lpv")])
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -57,3 +59,38 @@ def test_the_path_tracer_says_that_it_leaves_fog_out(render, folder):
     done = render("cornell-box", "--technique", "path-tracer", "--samples", "1", "--fog", "0.1", "--out", "a.npz")
     assert done.code == 0 and "warning: the technique path-tracer knows no media" in done.err
     assert np.all(layers(folder)["transmittance"] == 1)
+
+
+SCENE = """
+[medium]
+scattering = 0.1
+density = "smoke.npy"
+low = [-1, 0, -1]
+high = [1, 2, 1]
+[[model]]
+file = "cornell-box"
+"""
+
+
+@pytest.fixture
+def smoky(folder):
+    np.save(folder / "smoke.npy", np.linspace(0, 1, 24).reshape(2, 3, 4))
+    (folder / "smoky.toml").write_text(SCENE)
+
+
+def test_a_medium_of_a_file(render, folder, smoky):
+    assert render("smoky.toml", *FOG).code == 0
+    held = layers(folder)
+    assert held["fog"].any() and held["transmittance"].min() < 1
+
+
+def test_info_tells_of_a_medium(run, smoky):
+    done = run("info", "smoky.toml")
+    assert "medium: scatters (0.1, 0.1, 0.1), absorbs (0, 0, 0) 1/m, density of 4 x 3 x 2 cells" in done.out
+    assert "medium" not in run("info", "cornell-box").out
+    facts = json.loads(run("info", "smoky.toml", "--json").out)["medium"]
+    assert facts["cells"] == [4, 3, 2] and facts["low"] == [-1, 0, -1] and facts["high"] == [1, 2, 1]
+
+
+def test_export_leaves_the_medium_out_and_says_so(run, smoky):
+    assert "the medium is left out" in run("export", "smoky.toml", "out.xml").err
