@@ -101,29 +101,29 @@ def stored(device, made: Lookup, light: np.ndarray) -> np.ndarray:
     return np.stack(cells, axis=3).astype(np.float64) / scale_of(light)
 
 
-def smooth_light(seed: int, roughness: float = 0.15) -> np.ndarray:
+def smooth_light(seed: int, roughness: float = 0.15, grid: Grid = GRID) -> np.ndarray:
     """Light that varies across the volume about once, and by `roughness` from cell to cell."""
     rng = np.random.default_rng(seed)
-    centre = GRID.cell_centres()
-    light = np.empty((N, N, N, 3, 4), np.float32)
+    centre = grid.cell_centres()
+    light = np.empty((*centre.shape[:3], 3, 4), np.float32)
     for channel in range(3):
-        light[..., channel, 0] = 2.0 + np.sin(centre @ rng.normal(size=3)) + rng.uniform(0, roughness, (N, N, N))
+        light[..., channel, 0] = 2.0 + np.sin(centre @ rng.normal(size=3)) + rng.uniform(0, roughness, centre.shape[:3])
         turned = np.stack([np.cos(centre @ rng.normal(size=3)) for _ in range(3)], axis=-1)
         light[..., channel, 1:] = turned * light[..., channel, :1] * rng.uniform(0.1, 0.6)
     return light
 
 
-def spread(light: np.ndarray, points: np.ndarray) -> np.ndarray:
+def spread(light: np.ndarray, points: np.ndarray, grid: Grid = GRID) -> np.ndarray:
     """Largest minus smallest of the eight cells around `points`, for each coefficient: (..., 3, 4). Beyond the centres
     of the outermost cells the two outermost: adapters may clamp the coordinate and round the weight afterwards."""
-    low = np.clip(np.floor(GRID.to_cells(points) - 0.5).astype(int), 0, N - 2)
-    high = np.minimum(low + 1, N - 1)
+    low = np.clip(np.floor(grid.to_cells(points) - 0.5).astype(int), 0, grid.n - 2)
+    high = np.minimum(low + 1, grid.n - 1)
     corners = [np.where(np.array(c, bool), high, low) for c in np.ndindex(2, 2, 2)]
     cells = np.stack([light[c[..., 2], c[..., 1], c[..., 0]] for c in corners])
     return cells.max(axis=0) - cells.min(axis=0)
 
 
-def sensitivity(reading: str, change: np.ndarray) -> np.ndarray:
+def sensitivity(reading: str, change: np.ndarray, grid: Grid = GRID) -> np.ndarray:
     """Most that irradiance changes when the coefficients change by `change` (..., 3, 4), from each reading's formula.
 
     dominant_lobe: E h^2 = 2 sqrt(pi) c00 / 6 plus sqrt(3 pi) c1 . (max(0, -n.d) d - d / 6), and its form for a = 1.
@@ -132,8 +132,8 @@ def sensitivity(reading: str, change: np.ndarray) -> np.ndarray:
     if reading == "thesis":
         return THESIS_SCALE * (sh.COSINE_LOBE_0 * band0 + sh.COSINE_LOBE_1 * band1)
     if reading == "paper":
-        return 4 / GRID.cell_size**2 * (sh.Y0 * band0 + sh.Y1 * band1)
-    return (2 * np.sqrt(np.pi) * band0 + 7 / 6 * np.sqrt(3 * np.pi) * band1) / GRID.cell_size**2
+        return 4 / grid.cell_size**2 * (sh.Y0 * band0 + sh.Y1 * band1)
+    return (2 * np.sqrt(np.pi) * band0 + 7 / 6 * np.sqrt(3 * np.pi) * band1) / grid.cell_size**2
 
 
 def test_volumes_hold_the_light(device):

@@ -1,11 +1,12 @@
-// Accumulated light into one filterable texture a channel; still scaled for storage (storage_scale.wgsl).
+// Accumulated light into one filterable texture a channel; still scaled for storage (storage_scale.wgsl). Windows, whose
+// cells lie behind one another, are laid behind one another in y.
 
 @compute @workgroup_size({{ workgroup }})
-fn main(@builtin(global_invocation_id) cell: vec3u) {
-    if any(cell >= textureDimensions(red_out)) { return; }
-    let n = textureDimensions(red_out).x;
-    let first = 3u * (cell.x + n * (cell.y + n * cell.z));
-    textureStore(red_out, cell, light[first]);
-    textureStore(green_out, cell, light[first + 1u]);
-    textureStore(blue_out, cell, light[first + 2u]);
+fn main(@builtin(global_invocation_id) texel: vec3u) {
+    if any(texel >= textureDimensions(red_out)) { return; }
+    let slab = {{ n }}u * (texel.y / {{ n }}u) + texel.z;
+    let first = 3u * (texel.x + {{ n }}u * (texel.y % {{ n }}u + {{ n }}u * slab));
+    textureStore(red_out, texel, light[first]);
+    textureStore(green_out, texel, light[first + 1u]);
+    textureStore(blue_out, texel, light[first + 2u]);
 }

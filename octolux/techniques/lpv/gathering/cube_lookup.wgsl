@@ -3,7 +3,7 @@
 {{ use("shaders/view.wgsl") }}
 {{ use("shaders/gbuffer.wgsl") }}
 {{ use("techniques/lpv/storage_scale.wgsl") }}
-{{ use("techniques/lpv/gathering/place.wgsl") }}
+{{ use("techniques/lpv/place.wgsl") }}
 
 fn read_cube(window: u32, seen: SeenPlace) -> vec3f {
     let place = clamp(place_in(window, seen), vec3f(0.5), vec3f({{ n - 0.5 }})); // windows and faces lie behind one another

@@ -1,7 +1,7 @@
 // Marks the cells that surfaces are looked up in: their middles are on the surfaces' free side.
 {{ use("shaders/view.wgsl") }}
 {{ use("shaders/gbuffer.wgsl") }}
-{{ use("techniques/lpv/gathering/place.wgsl") }}
+{{ use("techniques/lpv/place.wgsl") }}
 
 fn mark(window: u32, seen: SeenPlace) {
     let cell = vec3u(clamp(place_in(window, seen), vec3f(0.0), vec3f({{ n - 1 }}.0)));
