@@ -334,6 +334,11 @@ def test_several_samples_and_odd_sizes(device):
     assert relative(pictures[1], pictures[0].astype(np.float64)) < 0.05
 
 
+def test_fog_has_the_same_bits_in_every_run(device):
+    pictures = [render(device, shaded(), lights=[SUN, LAMP], volume=even_volume(2.0)).radiance for _ in range(2)]
+    np.testing.assert_array_equal(*pictures)
+
+
 def test_clear_air_costs_nothing(device):
     scene = replace(wall(), lights=[SUN])
     held = dict(device.memory.by_label())
