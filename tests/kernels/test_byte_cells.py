@@ -11,6 +11,7 @@ from octolux.simulator.lpv import formats
 from octolux.simulator.lpv import propagation as reference
 from octolux.techniques.lpv.constants import propagation_values
 from octolux.techniques.lpv.levels import ROW, Levels
+from octolux.techniques.lpv.octree.settings import OctreeLpvSettings
 from octolux.techniques.lpv.propagation import CELL_BYTES
 from octolux.techniques.lpv.uniform.settings import UniformLpvSettings
 from octolux.techniques.settings import SettingsError
@@ -48,7 +49,7 @@ def test_packing(device, evaluation, dither):
 @pytest.mark.parametrize("evaluation", EVALUATIONS)
 @pytest.mark.parametrize("steps", [2, 8])
 def test_error_of_the_sum(device, evaluation, steps):
-    """A store is off by at most half a gap, 1/16 of a size above a power of two, as a standard deviation, and by 3
+    """A store is off by at most half a gap, 1/18 of a size above a power of two, as a standard deviation, and by 3
     shares of at most 1/254. Stores of one cell reach others by gain 1, those of k steps add in quadrature: S_i is off
     by sqrt(i) of that at most, and so is their sum."""
     light = random_light(16, seed=steps)
@@ -88,3 +89,10 @@ def test_half_the_memory_of_half_floats():
 def test_negative_flux_is_refused():
     with pytest.raises(SettingsError, match="snorm8 hold no negative flux"):
         UniformLpvSettings.from_strings("default", {"cell_format": "snorm8", "evaluation": "signed"})
+
+
+def test_sums_of_children_are_refused():
+    """Those of a lit wall are four times as bright on each level: beyond the largest size from the third on."""
+    with pytest.raises(SettingsError, match="outgrow cells in snorm8"):
+        OctreeLpvSettings.from_strings("steps", {"cell_format": "snorm8"})
+    assert OctreeLpvSettings.from_strings("thesis", {"cell_format": "snorm8"}).cell_format == "snorm8"

@@ -15,13 +15,15 @@ normalised, and one of 8 bits, a size that they are shares of. What is stored is
   reach whichever is 0, and the shares are v over it.
 
 Size. 256 sizes from 0 to 64 (storage_scale.wgsl keeps light below that) lie as float32 does, evenly between powers of
-two: from 2^-10 on, which is 2^-13 of the peak or less, two are at most 6.3 % apart; down to 0 they lie evenly, 6e-5
+two: from 2^-8 on, which is 2^-11 of the peak or less, two are at most 5.5 % apart; down to 0 they lie evenly, 2^-12.2
 from one to the next. Rounding to the nearest would hold on to light that changes by less than half of that from step to
 step. So a size is rounded up where the share of the gap that it has reached is above a threshold, and thresholds
 differ from cell to cell and between two steps, evenly in [0, 1): the mean is kept, whatever the size. The size is
 chosen after the shares have been rounded, such that the cell's flux is kept, and not that of the shares before. So
-the flux of N cells of equal light is off by 3.1 % / sqrt(N) (a standard deviation is at most half the gap), in each
+the flux of N cells of equal light is off by 2.7 % / sqrt(N) (a standard deviation is at most half the gap), in each
 step anew: after k steps, by sqrt(k) times that.
+
+Coarse levels of an octree whose parents are sums outgrow the largest size: they need f16.
 """
 
 from __future__ import annotations
@@ -36,7 +38,7 @@ from octolux.simulator.lpv import transfer
 STEPS = 1023
 """Steps between 0 and 1 of a 10-bit field."""
 
-OCTAVES = 16
+OCTAVES = 14
 """Powers of two that sizes of 8 bits span, the last of them up to 64."""
 
 GAP = OCTAVES / 255

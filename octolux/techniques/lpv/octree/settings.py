@@ -71,6 +71,8 @@ class OctreeLpvSettings(LpvSettings):
             raise SettingsError("Sparse propagation has no occlusion. Set occlusion=false, or use the preset 'sparse'.")
         if self.propagation != "steps" and self.combine != "sum":
             raise SettingsError(f"'{self.propagation}' keeps flux: parents are sums of children. Set combine=sum.")
+        if self.propagation == "steps" and self.combine == "sum" and self.cell_format == "snorm8":
+            raise SettingsError("Sums of children outgrow cells in snorm8. Set cell_format=f16, or combine=average.")
         if self.propagation == "gather" and self.injection != "flux":
             raise SettingsError("'gather' reads cells as flux: VPLs inject theirs. Set injection=flux.")
 
