@@ -113,3 +113,10 @@ def test_white_blockers_keep_all_light(device):
     made = kernel(device, (N,), "mono")
     now, before = (run(device, made, light, k, [(shares, reflectors)]).astype(np.float64) for k in (5, 4))
     np.testing.assert_allclose(reference.total_flux(now - before), reference.total_flux(light), rtol=500 * 2.0**-24)
+
+
+@pytest.mark.parametrize(("kind", "occlusion"), [("mono", False), ("red", True)])
+def test_bounces_need_occlusion_and_a_name(device, kind, occlusion):
+    scheme = {"evaluation": "clamped", "reprojection": "face", "gain": 1.0, "cell_format": "f32"}
+    with pytest.raises(ValueError, match="need occlusion"):
+        Propagation(device, (N,), bounces=kind, occlusion=occlusion, **scheme)

@@ -10,6 +10,7 @@ from ...gpu.bindings import Binding, storage, storage_rw
 from ...gpu.device import Device
 from ...gpu.passes import ComputePass
 from ...simulator.lpv import transfer
+from ...simulator.lpv.bounces import BOUNCES
 from .constants import propagation_values
 from .levels import ROW, WORKGROUP, Levels
 
@@ -112,7 +113,8 @@ class Propagation:
     sizes: cells along each side of the levels, all of which are propagated by the same dispatches; one is a uniform
     volume. Of a level of one cell all light leaves: it is not propagated.
     occlusion: the geometry volume dims what passes the cells' faces.
-    bounces: with occlusion, "mono" or "spectral": blockers reflect what they take, grey or in their colour.
+    bounces: with occlusion, "mono" or "spectral": blockers reflect what they take, grey or in their colour. Raises
+    ValueError without.
     threshold: with one, `touched` becomes 1 where a level has been brought light (OLPV 4.2, the index volume): a
     contribution of more than that share of the power of two below the largest injected one.
     keeps_last: `last` holds the last step's light after `run`, which nothing but a merge by arrival asks for.
@@ -123,6 +125,8 @@ class Propagation:
         cell_format: str, threshold: float | None = None, occlusion: bool = False, bounces: str = "none",
         keeps_last: bool = False,
     ):  # fmt: skip
+        if bounces not in BOUNCES or (bounces != "none" and not occlusion):
+            raise ValueError(f"bounces are one of {', '.join(BOUNCES)}, and need occlusion; got '{bounces}'")
         self.levels, self._keeps_last = Levels(sizes), keeps_last
         self._travelled = Levels([n for n in sizes if n > 1])
         self._device, self.kind = device, CELL_TYPES[cell_format]
