@@ -66,7 +66,7 @@ def _texture(device: Device, label: str, format: str, texels: int, data: np.ndar
     rows = -(-max(1, texels) // (1 << _ROW_BITS))
     usage = wgpu.TextureUsage.STORAGE_BINDING | wgpu.TextureUsage.COPY_DST | wgpu.TextureUsage.COPY_SRC
     made = device.texture(label, (1 << _ROW_BITS, rows), format, usage=usage)
-    if data is not None:
+    if data is not None and data.size:
         _write(device, made, (16 if format == _FORMAT else 4) << _ROW_BITS, data)
     return made
 

@@ -90,3 +90,14 @@ def test_scale_of_darkness_and_of_extremes():
 def test_impossible_scales_are_refused(bound, count, message):
     with pytest.raises(ValueError, match=message):
         injection.fixed_point_scale(bound, count)
+
+
+def test_light_of_small_objects_fades_out():
+    """None up to half a cell, all from a cell on, in proportion to the cell, and without steps or corners."""
+    sizes = np.linspace(0.0, 3.0, 3001)
+    share = injection.small_object_share(sizes, 2.0)
+    assert not share[sizes <= 1.0].any() and np.all(share[sizes >= 2.0] == 1.0)
+    assert injection.small_object_share(1.5, 2.0) == 0.5
+    np.testing.assert_array_equal(share, injection.small_object_share(sizes / 8.0, 0.25))
+    slope = np.gradient(share, sizes)
+    assert slope.min() >= 0.0 and np.abs(np.diff(slope)).max() < 0.01 * slope.max()

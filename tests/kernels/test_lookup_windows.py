@@ -1,5 +1,5 @@
-"""Lookup of nested windows (lookup.wgsl, volumes.wgsl, volume_light.wgsl) against the simulator's: each window read with
-its own cells, and blended by the simulator's weights. The G-buffer, and how far one window may be off, are those of
+"""Lookup of nested windows (lookup.wgsl, volumes.wgsl, volume_light.wgsl) against the simulator's: each window with
+its own cells, blended by the simulator's weights. The G-buffer, and how far one window may be off, are those of
 test_lookup.py."""
 
 from __future__ import annotations

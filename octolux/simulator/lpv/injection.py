@@ -35,6 +35,18 @@ def vpl_cells(position, normal, grid: Grid) -> np.ndarray:
     return grid.cell_of(np.asarray(position, dtype=np.float64) + 0.5 * grid.cell_size * np.asarray(normal))
 
 
+def small_object_share(size, cell_size: float) -> np.ndarray:
+    """Share of the light of objects of `size` (M,), metres, that goes into cells of `cell_size`: none of those up to
+    half a cell, all of those of a cell and more, and smoothly more between.
+
+    Kaplanyan & Dachsbacher 2010, 4.1 inject nothing of an object whose bounding box is smaller than a cell, and 4.2
+    "fade out" those that move, as their light would jump from cell to cell. An object that is as long as a cell never
+    leaves one all at once. The fade has no steps, so that nothing appears suddenly when a cascade's cells change size.
+    """
+    x = np.clip(2.0 * np.asarray(size, dtype=np.float64) / cell_size - 1.0, 0.0, 1.0)
+    return x * x * (3.0 - 2.0 * x)
+
+
 def _scatter(values: np.ndarray, cells: np.ndarray, n: int) -> np.ndarray:
     """Sum of `values` (M, 3, 4) by cell: [z][y][x][rgb][4] of the same type. Cells outside the grid are omitted."""
     kept = np.all((cells >= 0) & (cells < n), axis=-1)

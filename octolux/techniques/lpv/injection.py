@@ -6,10 +6,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from ...frame.structs import VPL
+from ...frame.traits import TRAIT_VALUES
 from ...gpu.bindings import Binding, storage_rw, uniform
 from ...gpu.device import Device
 from ...gpu.passes import ComputePass
-from ...gpu.records import records
+from ...gpu.records import records, words
+from ...gpu_scene.structs import INSTANCE
 from .constants import GRID, SH_CONSTANTS, grids_binding
 from .sources import SOURCE, VplSource, group_sources
 
@@ -34,10 +36,15 @@ class Injection:
 
     cells: how many `injected` has room for, if more than those of the grids (coarser levels of an octree follow them).
     grids: nested ones, the finest first, each of n^3 cells. A VPL goes into the finest that holds it, or into `every`.
+    small_objects: of those below the size of a cell, "keep" all light; "fade" it, or that of those that move: "fade
+    moving" (CLPV 4.1, 4.2; simulator/lpv/injection.py).
     """
 
-    def __init__(self, device: Device, n: int, cells: int | None = None, *, grids: int = 1, every: bool = False):
-        self.device, self.n = device, n
+    def __init__(
+        self, device: Device, n: int, cells: int | None = None, *, grids: int = 1, every: bool = False,
+        small_objects: str = "keep",
+    ):  # fmt: skip
+        self.device, self.n, self._fades = device, n, small_objects != "keep"
         self._cells, self._layers = grids * n**3, grids if every else 1
         self.injected = device.buffer("LPV injected light", size=(cells or self._cells) * 48)
         self.peak = device.buffer("LPV peak", size=4)
@@ -46,8 +53,10 @@ class Injection:
         source = uniform("source", SOURCE)
         self._inject = ComputePass(
             device, "inject", "techniques/lpv/inject.wgsl",
-            [source, grids_binding(grids), records("vpls", VPL), atomic_words("sums", "i32")],
-            structs=[SOURCE, GRID, VPL], workgroup=(64, 1, 1), run=RUN, grids=grids, every=every, **SH_CONSTANTS,
+            [source, grids_binding(grids), records("vpls", VPL), atomic_words("sums", "i32"),
+             *([words("surfaces")] if self._fades else [])],
+            structs=[SOURCE, GRID, VPL, *([INSTANCE] if self._fades else [])], workgroup=(64, 1, 1), run=RUN,
+            grids=grids, every=every, small_objects=small_objects, **SH_CONSTANTS, **TRAIT_VALUES,
         )  # fmt: skip
         self._collect = ComputePass(
             device, "collect", "techniques/lpv/collect.wgsl",
@@ -55,8 +64,10 @@ class Injection:
             structs=[SOURCE], workgroup=(64, 1, 1),
         )  # fmt: skip
 
-    def run(self, stage: Any, grids: Any, vpls: Any, sources: Sequence[VplSource]) -> None:
-        """Inject every source into cleared cells. grids: uniform buffer of GRID, one for each."""
+    def run(self, stage: Any, grids: Any, vpls: Any, sources: Sequence[VplSource], surfaces: Any = None) -> None:
+        """Inject every source into cleared cells. grids: uniform buffer of GRID, one for each. surfaces: texture of the
+        traits of each VPL's surface (frame/traits.py), where small objects fade."""
+        traits = {"surfaces": surfaces} if self._fades else {}
         stage.encoder.clear_buffer(self.injected, 0, self._cells * 48)  # coarser levels are written over
         stage.encoder.clear_buffer(self.peak)
         used = 0
@@ -65,7 +76,7 @@ class Injection:
                 buffer = self._source_buffer(used, packed)
                 used += 1
                 threads = (walks(int(packed["count"][0]), int(packed["width"][0])), self._layers)
-                self._inject.run(stage, threads, source=buffer, grids=grids, vpls=vpls, sums=self._sums)
+                self._inject.run(stage, threads, source=buffer, grids=grids, vpls=vpls, sums=self._sums, **traits)
             self._collect.run(
                 stage, (self._cells,), source=buffer, sums=self._sums, injected=self.injected, peak=self.peak
             )

@@ -23,14 +23,15 @@ class Lookup:
 
     reading, scale: simulator/lpv/lookup.py.  damping: CLPV 3.4's derivative damping.  lookup_offset: cells that the
     point of lookup is moved along the normal.  windows: nested ones (CLPV 4), which lie behind one another in y; at
-    each place the finest is read that holds it, giving way to the next at its ends.
+    each place the finest is read that holds it, giving way to the next at its ends.  visibility: `read` is given a
+    texture of ambient visibility.
     """
 
     def __init__(
         self, device: Device, n: int, *, reading: str, damping: bool, lookup_offset: float, scale: float = 1.0,
-        windows: int = 1,
+        windows: int = 1, visibility: bool = False,
     ):  # fmt: skip
-        self.n, self.windows, self.device = n, windows, device
+        self.n, self.windows, self.device, self._visibility = n, windows, device, visibility
         usage = TEXTURE | STORAGE | COPY
         self.volumes = {
             c: device.texture("LPV volumes", (n, n * windows, n), "rgba16float", usage=usage, dimension="3d")
@@ -48,9 +49,10 @@ class Lookup:
             [
                 views_binding(), texture("surface_map", "uint"), texture("depth_map"), *self._bindings(),
                 storage_texture("irradiance_out", "rgba32float"),
+                *([texture("visibility_map")] if visibility else []),
             ],
             structs=[VIEW, *self._structs()], reading=reading, damping=damping, lookup_offset=float(lookup_offset),
-            scale=scale, **self._values(),
+            scale=scale, visibility=visibility, **self._values(),
         )  # fmt: skip
         self.irradiance: Any = None
 
@@ -64,12 +66,17 @@ class Lookup:
         outputs = {f"{c}_out": self.volumes[c] for c in CHANNELS}
         self._write.run(stage, (self.n, self.n * self.windows, self.n), light=light, **outputs)
 
-    def read(self, stage: Any, frame: Frame, grids: Any, peak: Any, windows: Any = None) -> None:
-        """Write irradiance of every pixel into `self.irradiance`. grids: uniform buffer of GRID, one for each window.
-        windows: of WINDOW, where there are several."""
+    def read(
+        self, stage: Any, frame: Frame, grids: Any, peak: Any, windows: Any = None, visibility: Any = None
+    ) -> None:
+        """Write irradiance of every pixel into `self.irradiance`, and ambient visibility into its alpha: `visibility`
+        (r32float), or 1. grids: uniform buffer of GRID, one for each window.  windows: of WINDOW, where there are
+        several."""
+        visible = {"visibility_map": visibility} if self._visibility else {}
         self._read.run(
             stage, frame.pixels, views=frame.buffers["views"], surface_map=frame.targets.surface,
-            depth_map=frame.targets.depth, irradiance_out=self.irradiance, **self._resources(grids, peak, windows),
+            depth_map=frame.targets.depth, irradiance_out=self.irradiance, **visible,
+            **self._resources(grids, peak, windows),
         )  # fmt: skip
 
     def volume_light(self, grids: Any, peak: Any, windows: Any = None) -> VolumeLight:

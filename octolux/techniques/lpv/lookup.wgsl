@@ -62,5 +62,6 @@ fn main(@builtin(global_invocation_id) pixel: vec3u) {
     {% else %}
     let irradiance = read_window(0u, seen);
     {% endif %}
-    textureStore(irradiance_out, pixel.xy, vec4f(irradiance, 1.0));
+    let visible = {{ "textureLoad(visibility_map, pixel.xy, 0).x" if visibility else "1.0" }};
+    textureStore(irradiance_out, pixel.xy, vec4f(irradiance, visible));
 }

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from ....frame.ambient_occlusion import AmbientOcclusion
 from ....frame.frame import Frame
 from ....gpu.device import Device
-from ....simulator.lpv.cascades import grids_of, place_windows
-from ..constants import GRID, pack_grids
+from ....simulator.lpv.cascades import grids_of, place_windows, transition
+from ..constants import GRID, grids_binding, pack_grids
 from ..volume import scene_grid
-from ..windows import WINDOW, pack_windows
+from ..windows import WINDOW, pack_windows, windows_binding
+
+SAMPLES = 2
+"""Of a wall, along each edge of a cell of the finest grid, where the scene's own surfaces are sampled."""
 
 
 class Cascades:
@@ -26,3 +30,11 @@ class Cascades:
         self.grids = grids_of(self.windows, volume)
         self.device.write(self.grids_buffer, pack_grids(self.grids))
         self.device.write(self.windows_buffer, pack_windows(self.windows))
+
+    def ambient_occlusion(self) -> AmbientOcclusion:
+        """Of what is smaller than the cells of the cascade that a place is read in."""
+        return AmbientOcclusion(
+            self.device, radius_file="techniques/lpv/cascaded/ao_radius.wgsl",
+            bindings=[grids_binding(self.count), windows_binding(self.count)], structs=[GRID, WINDOW], n=self.n,
+            windows=self.count, transition=transition(self.n),
+        )  # fmt: skip

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from ...settings import setting
+from ...settings import SettingsError, setting
 from ..settings import LpvSettings
 
 
 @dataclass(frozen=True)
 class CascadedLpvSettings(LpvSettings):
-    """The default sends light straight from cell to cell; `paper` is CLPV by its numbers."""
+    """The default sends light straight from cell to cell; `steps` is CLPV made physical, `paper` CLPV by its
+    numbers."""
 
     n: int = setting(
         32, meaning="cells along each side of each cascade", unit="cells", allowed=(16, 32, 64),
@@ -43,9 +45,61 @@ class CascadedLpvSettings(LpvSettings):
         cost="scene: up to a million samples of triangles, some 40 MB", source="CLPV 3.2; Ritschel et al. 2008",
     )  # fmt: skip
 
+    ambient_occlusion: bool = setting(
+        True, meaning="what is smaller than a cell shadows in screen space", unit="", allowed=(False, True),
+        cost="a pass over all pixels, some 40 ms of a CPU at 640 x 360", source="CLPV 3.2, 7; GTAO",
+    )  # fmt: skip
     bounces: int = setting(
-        3, meaning="times that light is reflected before it reaches what is seen; gathering alone", unit="bounces",
-        allowed=[1, 8], cost="each more than one: another gathering of all surfaces' cells", source="CLPV 7",
+        4, meaning="times that light is reflected before it reaches what is seen; with steps 1, or more: in every step",
+        unit="bounces", allowed=[1, 8],
+        cost="each more than one: another gathering of all surfaces' cells; steps: a third of their time, however many",
+        source="CLPV 7",
+    )  # fmt: skip
+    reflection: str = setting(
+        "spectral", meaning="what colour reflects in steps: each by itself, or all as the luminance", unit="",
+        allowed=("spectral", "mono"), cost="mono: a third of the memory of what is reflected", source="CLPV 6, 7",
+    )  # fmt: skip
+    soft_light: str = setting(
+        "shadow maps", meaning="how area lights, glowing surfaces and the sky shine: past shadow maps, or from cells, as "
+        "particles do always", unit="", allowed=("shadow maps", "cells"),
+        cost="cells: far less time on a CPU, for shadows no finer than a cell", source="CLPV 3.1",
+    )  # fmt: skip
+    small_objects: str = setting(
+        "keep", meaning="light of objects smaller than a cell (the longest edge of the box): all of it; or fading "
+        "from a cell down to none at half of it, for all objects or for those that move", unit="",
+        allowed=("keep", "fade moving", "fade"), cost="fading reads a word more of each VPL, and loses light",
+        source="CLPV 4.1, 4.2",
+    )  # fmt: skip
+    damping: bool = setting(
+        False, meaning="derivative damping against bleeding; steps alone", unit="", allowed=(False, True),
+        cost="two more lookups a channel and cascade", source="CLPV 3.4",
     )  # fmt: skip
 
-    PRESETS: ClassVar[dict[str, dict[str, Any]]] = {}
+    _OF_STEPS: ClassVar[tuple[str, ...]] = (
+        "evaluation", "reprojection", "gain", "reading", "cell_format", "reflection", "damping",
+    )  # fmt: skip
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if "thesis" in (self.injection, self.reading):
+            raise SettingsError("The thesis's light has no unit, which cells of several sizes need. Set injection=flux "
+            "and reading=dominant_lobe or paper.")  # fmt: skip
+        if self.propagation == "steps" and self.bounces > 1 and not self.occlusion:
+            raise SettingsError("Steps reflect what the geometry volume blocks. Set occlusion=true, or bounces=1.")
+        if self.propagation == "gather":
+            self._refuse_steps()
+
+    def _refuse_steps(self) -> None:
+        defaults = {f.name: f.default for f in dataclasses.fields(self)}
+        if others := [name for name in self._OF_STEPS if getattr(self, name) != defaults[name]]:
+            raise SettingsError(f"'gather' has no steps, to which these belong: {', '.join(others)}. "
+            "Set propagation=steps, or leave them as they are.")  # fmt: skip
+
+    PRESETS: ClassVar[dict[str, dict[str, Any]]] = {
+        "steps": {"propagation": "steps", "iterations": 16, "bounces": 1},
+        "paper": {
+            "propagation": "steps", "iterations": 8, "evaluation": "clamped", "reprojection": "face",
+            "reading": "paper", "damping": True, "lookup_offset": 0.0, "cell_format": "f16",
+            "surfels": "lamps and camera", "bounces": 1, "reflection": "mono", "small_objects": "fade",
+        },
+    }  # fmt: skip

@@ -10,6 +10,7 @@ from ...technique import Technique
 from .cascades import Cascades
 from .gathering import CascadedGathering
 from .settings import CascadedLpvSettings
+from .stepping import CascadedStepping
 
 
 class CascadedLpv(Technique):
@@ -25,7 +26,8 @@ class CascadedLpv(Technique):
     def __init__(self, device: Device, settings: CascadedLpvSettings):
         super().__init__(device, settings)
         self.cascades = Cascades(device, settings.n, settings.cascades)
-        self.way = CascadedGathering(device, self.cascades, settings)
+        way = CascadedGathering if settings.propagation == "gather" else CascadedStepping
+        self.way: CascadedGathering | CascadedStepping = way(device, self.cascades, settings)
 
     def prepare(self, frame: Frame) -> None:
         self.cascades.place(frame)

@@ -1,0 +1,110 @@
+"""Light by steps in every cascade alone, all cascades in the same dispatches (CLPV 3 and 4.1)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ....frame.frame import Frame
+from ....frame.scene_surfels import SceneSurfels
+from ....gpu.device import Device
+from ....simulator.lpv.geometry import BEHIND
+from ..constants import GRID, pack_grids, storage_scale
+from ..geometry import GeometryVolume
+from ..injection import Injection
+from ..levels import Levels
+from ..lookup import Lookup
+from ..propagation import Propagation
+from ..reflectors import Reflectors
+from ..volume import vpl_sources
+from .cascades import SAMPLES, Cascades
+from .settings import CascadedLpvSettings
+
+# Cells by which the geometry volume lies aside, so that its cells lie in the corners of the faces that light passes
+# (CLPV 3.2).
+_ASIDE = 0.5
+
+
+class CascadedStepping:
+    """VPLs and surfels go into every cascade that holds them; cascades share one storage scale, that of the largest
+    light in any. `irradiance` holds what the camera sees lit after `shade`."""
+
+    def __init__(self, device: Device, cascades: Cascades, settings: CascadedLpvSettings):
+        self.device, self.cascades, self.settings = device, cascades, settings
+        s, camera = settings, settings.surfels == "lamps and camera"
+        self.levels = Levels([s.n] * s.cascades, s.cascades)
+        self.injection = Injection(device, s.n, grids=s.cascades, every=True, small_objects=s.small_objects)
+        blocks, reflects = s.occlusion, s.bounces > 1
+        self.scene_surfels = SceneSurfels(device) if blocks and s.surfels == "scene" else None
+        self.geometry = GeometryVolume(device, self.levels, camera, every=True, planes=False) if blocks else None
+        self.reflectors = Reflectors(device, self.levels, -BEHIND, camera, every=True) if reflects else None
+        self.propagation = Propagation(
+            device, self.levels.sizes, evaluation=s.evaluation, reprojection=s.reprojection, gain=s.gain,
+            cell_format=s.cell_format, occlusion=blocks, bounces=s.reflection if reflects else "none",
+        )  # fmt: skip
+        self.lookup = Lookup(
+            device, s.n, reading=s.reading, damping=s.damping, lookup_offset=s.lookup_offset, windows=s.cascades,
+            visibility=s.ambient_occlusion,
+        )  # fmt: skip
+        self.ambient = cascades.ambient_occlusion() if s.ambient_occlusion else None
+        self._aside_buffer = device.uniform("LPV grids", GRID.array(s.cascades))
+
+    @property
+    def irradiance(self) -> Any:
+        return self.lookup.irradiance
+
+    def prepare(self, frame: Frame) -> None:
+        self.lookup.prepare(frame.pixels)
+        self.device.write(self._aside_buffer, pack_grids([grid.moved(_ASIDE) for grid in self.cascades.grids]))
+
+    def update(self, frame: Frame) -> None:
+        profiler, grids = frame.profiler, self.cascades.grids
+        with profiler.stage("injection") as stage:
+            sources = vpl_sources(frame, grids[-1], self.settings.injection)
+            self.injection.run(stage, self.cascades.grids_buffer, frame.vpls, sources, frame.vpl_surfaces)
+        if self.scene_surfels:
+            self.scene_surfels.run(frame, np.array(grids[-1].origin), grids[0].cell_size / SAMPLES)
+        if self.geometry:
+            with profiler.stage("geometry volume") as stage:
+                self.geometry.run(stage, frame, self._aside_buffer, scene=self.scene_surfels)
+                if self.reflectors:
+                    self.reflectors.run(stage, frame, self._aside_buffer, self.scene_surfels)
+        with profiler.stage("propagation") as stage:
+            self.propagation.run(
+                stage, self.injection.injected, self.injection.peak, self.settings.iterations,
+                self.geometry.shares if self.geometry else None,
+                self.reflectors.reflectors if self.reflectors else None,
+            )  # fmt: skip
+        with profiler.stage("volumes") as stage:
+            self.lookup.write_volumes(stage, self.propagation.light)
+        if frame.medium:
+            frame.volume_light = self.lookup.volume_light(*self._placed)
+
+    def shade(self, frame: Frame) -> None:
+        visibility = None
+        if self.ambient:
+            with frame.profiler.stage("ambient occlusion") as stage:
+                grids, _, windows = self._placed
+                visibility = self.ambient.run(stage, frame, grids=grids, windows=windows)
+        with frame.profiler.stage("lookup") as stage:
+            self.lookup.read(stage, frame, *self._placed, visibility)
+
+    @property
+    def _placed(self) -> tuple[Any, Any, Any]:
+        return self.cascades.grids_buffer, self.injection.peak, self.cascades.windows_buffer
+
+    def debug_views(self) -> dict[str, Any]:
+        """"injected" and "accumulated": a list of float32 [z][y][x][rgb][4], W/sr, one for each cascade; "blocked": the
+        same of [z][y][x][3], shares of the cross section, half a cell aside."""
+        scale = storage_scale(np.frombuffer(self.device.queue.read_buffer(self.injection.peak), np.float32)[0])
+        views = {
+            "injected": self._read(self.injection.injected, (3, 4)),
+            "accumulated": [level / scale for level in self._read(self.propagation.light, (3, 4))],
+        }
+        if self.geometry:
+            views["blocked"] = [level[..., :3] for level in self._read(self.geometry.shares, (4,))]
+        return views
+
+    def _read(self, buffer: Any, cell: tuple[int, ...]) -> list[np.ndarray]:
+        return self.levels.split(np.frombuffer(self.device.queue.read_buffer(buffer), np.float32).reshape(-1, *cell))
