@@ -205,7 +205,7 @@ class Renderer:
             self._rsm = None
             self._passes_of = gpu_scene.version
         soft: list[Light] = []
-        if not self.technique.replaces_direct:
+        if self.technique.soft_light and not self.technique.replaces_direct:
             soft = [*self._emitters(scene), *self._surroundings.lights(settings.sky_lights)]
         resolutions = (settings.shadow_resolution, settings.coarse_resolution)
         lights = light_set([*scene.lights, *soft], gpu_scene.bounds, *resolutions)

@@ -17,6 +17,8 @@ class Technique(ABC):
     needs: shared things it reads: "rsm", and with it "surfaces", the traits of the VPLs' surfaces.
     supports: what it handles ("dynamic geometry", "dynamic lights", "glossy", ...).
     replaces_direct: it makes the whole picture, with direct light and what is seen of the surroundings.
+    soft_light: whether emitters and the sky shine directly, past their shadow maps; False where the technique's light
+    cache brings their light.
     label: what the labels of its resources begin with; "" where it has none.
     """
 
@@ -27,6 +29,8 @@ class Technique(ABC):
     supports: ClassVar[frozenset[str]] = frozenset()
     replaces_direct: ClassVar[bool] = False
     label: ClassVar[str] = ""
+
+    soft_light: bool = True
 
     def __init__(self, device: Device, settings: Settings):
         self.device, self.settings = device, settings

@@ -6,18 +6,23 @@ from typing import Any
 
 import numpy as np
 
+from ....frame.ambient_occlusion import AmbientOcclusion
 from ....frame.frame import COPY, STORAGE, TEXTURE, Frame
 from ....frame.scene_surfels import SceneSurfels
 from ....gpu.device import Device
+from ....simulator.lpv.cascades import transition
 from ....simulator.lpv.octree import level_sizes
 from ..bouncing.bounces import Bounces
+from ..constants import GRID, grids_binding
 from ..gathering.gathering import Gathering
 from ..geometry import GeometryVolume
 from ..injection import Injection
 from ..levels import Levels
 from ..reflectors import Reflectors
 from ..volume import vpl_sources
+from ..windows import WINDOW, windows_binding
 from .cascades import Cascades
+from .emitted_light import EmittedLight
 from .settings import CascadedLpvSettings
 
 _SAMPLES = 2  # of a wall, along each edge of a cell of the finest grid
@@ -30,18 +35,30 @@ class CascadedGathering:
         self.device, self.cascades, self.settings = device, cascades, settings
         s = settings
         self.levels = Levels([s.n] * (s.cascades - 1) + level_sizes(s.n), s.cascades)
-        self.injection = Injection(device, s.n, cells=self.levels.cells, grids=s.cascades)
+        self.injection = Injection(
+            device, s.n, cells=self.levels.cells, grids=s.cascades, small_objects=s.small_objects
+        )
+        self.emitted = EmittedLight(device, cascades, s.soft_light == "cells")
         camera = s.surfels == "lamps and camera"
         self.scene_surfels = SceneSurfels(device) if s.surfels == "scene" else None
         self.geometry = GeometryVolume(device, self.levels, camera, planes=True) if s.occlusion else None
         self.gathering = Gathering(
-            device, self.levels, occlusion=s.occlusion, lookup_offset=s.lookup_offset, everywhere=False
+            device, self.levels, occlusion=s.occlusion, lookup_offset=s.lookup_offset, visibility=s.ambient_occlusion
         )
         self.reflectors = self.bounces = None
         if s.bounces > 1:
             self.reflectors = Reflectors(device, self.levels, 0.5, camera, squares=True)
             self.bounces = Bounces(device, self.levels, s.bounces - 1, occlusion=s.occlusion)
+        self.ambient = self._ambient_occlusion() if s.ambient_occlusion else None
         self.irradiance: Any = None
+
+    def _ambient_occlusion(self) -> AmbientOcclusion:
+        n, count = self.settings.n, self.settings.cascades
+        return AmbientOcclusion(
+            self.device, radius_file="techniques/lpv/cascaded/ao_radius.wgsl",
+            bindings=[grids_binding(count), windows_binding(count)], structs=[GRID, WINDOW], n=n, windows=count,
+            transition=transition(n),
+        )  # fmt: skip
 
     def prepare(self, frame: Frame) -> None:
         if self.irradiance is None or self.irradiance.size[:2] != frame.pixels:
@@ -53,7 +70,8 @@ class CascadedGathering:
         grids_buffer, windows = self.cascades.grids_buffer, self.cascades.windows_buffer
         with profiler.stage("injection") as stage:
             sources = vpl_sources(frame, grids[-1], self.settings.injection)
-            self.injection.run(stage, grids_buffer, frame.vpls, sources)
+            self.injection.run(stage, grids_buffer, frame.vpls, sources, frame.vpl_surfaces)
+            self.emitted.run(stage, frame, self.injection)
         if self.scene_surfels:
             self.scene_surfels.run(frame, np.array(grids[-1].origin), grids[0].cell_size / _SAMPLES)
         if self.geometry:
@@ -77,8 +95,12 @@ class CascadedGathering:
             shares = self.geometry.packed if self.geometry else None
             self.gathering.mark(stage, frame, grids, windows)
             self.gathering.gather(stage, peak, shares, windows)
+        visibility = None
+        if self.ambient:
+            with frame.profiler.stage("ambient occlusion") as stage:
+                visibility = self.ambient.run(stage, frame, grids=grids, windows=windows)
         with frame.profiler.stage("lookup") as stage:
-            self.gathering.read(stage, frame, grids, peak, self.irradiance, windows)
+            self.gathering.read(stage, frame, grids, peak, self.irradiance, windows, visibility)
 
     def debug_views(self) -> dict[str, Any]:
         """"injected": a list of float32 [z][y][x][rgb][4], W/sr, one for each level; "blocked": the same of

@@ -60,8 +60,8 @@ class CascadedLpvSettings(LpvSettings):
         allowed=("spectral", "mono"), cost="mono: a third of the memory of what is reflected", source="CLPV 6, 7",
     )  # fmt: skip
     soft_light: str = setting(
-        "shadow maps", meaning="how area lights, glowing surfaces and the sky shine: past shadow maps, or from cells, as "
-        "particles do always", unit="", allowed=("shadow maps", "cells"),
+        "shadow maps", meaning="how area lights, glowing surfaces and the sky shine: past shadow maps, or from cells, "
+        "as particles do always", unit="", allowed=("shadow maps", "cells"),
         cost="cells: far less time on a CPU, for shadows no finer than a cell", source="CLPV 3.1",
     )  # fmt: skip
     small_objects: str = setting(

@@ -19,6 +19,7 @@ from ..propagation import Propagation
 from ..reflectors import Reflectors
 from ..volume import vpl_sources
 from .cascades import SAMPLES, Cascades
+from .emitted_light import EmittedLight
 from .settings import CascadedLpvSettings
 
 # Cells by which the geometry volume lies aside, so that its cells lie in the corners of the faces that light passes
@@ -35,6 +36,7 @@ class CascadedStepping:
         s, camera = settings, settings.surfels == "lamps and camera"
         self.levels = Levels([s.n] * s.cascades, s.cascades)
         self.injection = Injection(device, s.n, grids=s.cascades, every=True, small_objects=s.small_objects)
+        self.emitted = EmittedLight(device, cascades, s.soft_light == "cells", every=True)
         blocks, reflects = s.occlusion, s.bounces > 1
         self.scene_surfels = SceneSurfels(device) if blocks and s.surfels == "scene" else None
         self.geometry = GeometryVolume(device, self.levels, camera, every=True, planes=False) if blocks else None
@@ -63,6 +65,7 @@ class CascadedStepping:
         with profiler.stage("injection") as stage:
             sources = vpl_sources(frame, grids[-1], self.settings.injection)
             self.injection.run(stage, self.cascades.grids_buffer, frame.vpls, sources, frame.vpl_surfaces)
+            self.emitted.run(stage, frame, self.injection)
         if self.scene_surfels:
             self.scene_surfels.run(frame, np.array(grids[-1].origin), grids[0].cell_size / SAMPLES)
         if self.geometry:

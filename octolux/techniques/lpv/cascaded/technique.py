@@ -20,11 +20,12 @@ class CascadedLpv(Technique):
     settings_class = CascadedLpvSettings
     label = "LPV"
     needs = frozenset({"rsm", "surfaces"})
-    supports = frozenset({"dynamic geometry", "dynamic lights", "diffuse", "occlusion"})
+    supports = frozenset({"dynamic geometry", "dynamic lights", "diffuse", "occlusion", "particles"})
     settings: CascadedLpvSettings
 
     def __init__(self, device: Device, settings: CascadedLpvSettings):
         super().__init__(device, settings)
+        self.soft_light = settings.soft_light == "shadow maps"
         self.cascades = Cascades(device, settings.n, settings.cascades)
         way = CascadedGathering if settings.propagation == "gather" else CascadedStepping
         self.way: CascadedGathering | CascadedStepping = way(device, self.cascades, settings)

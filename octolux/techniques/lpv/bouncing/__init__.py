@@ -1,0 +1,1 @@
+"""Further bounces of gathered light: reflected where it arrives, and gathered again."""

@@ -1,0 +1,113 @@
+"""Further bounces on the device (simulator/lpv/bouncing.py): light is gathered at surfaces, and injected again."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+from ....frame.frame import COPY, STORAGE, TEXTURE
+from ....gpu.bindings import sampler, storage, storage_rw, storage_texture, texture
+from ....gpu.device import Device
+from ....gpu.passes import ComputePass
+from ....simulator.lpv.octree import level_sizes
+from ..constants import SH_CONSTANTS
+from ..downsampling import Downsampling
+from ..gathering.gathering import Gathering
+from ..levels import Levels
+from ..windows import WINDOW, windows_binding
+
+
+class Bounces:
+    """Adds light of `count` further bounces to what has been injected.
+
+    Light arrives at the surfaces in the cells of the last window, which is whole: cubes of irradiance, gathered as the
+    picture's are. What the surfaces of finer windows reflect is made of these cubes, filtered.
+    """
+
+    def __init__(self, device: Device, levels: Levels, count: int, *, occlusion: bool):
+        n, windows = levels.sizes[0], levels.windows
+        self.device, self.n, self._count, self._windows = device, n, count, windows
+        whole = Levels(level_sizes(n))
+        self._gathering = Gathering(
+            device, whole, occlusion=occlusion, lookup_offset=0.0, shares_first=(windows - 1) * n**3
+        )
+        self._light = device.buffer("LPV bounced light", size=whole.cells * 48)
+        nested = Levels([n] * windows, windows)
+        self._nested = device.buffer("LPV nested light", size=nested.cells * 48) if windows > 1 else None
+        self._into_last = Downsampling(device, nested, per_cell=3)
+        usage = TEXTURE | STORAGE | COPY
+        self._sums = [
+            device.texture("LPV bounced irradiance", (n, n, 6 * n), "rgba16float", usage=usage, dimension="3d")
+            for _ in range(2)
+        ]
+        self._sampler = device.wgpu.create_sampler(
+            mag_filter="linear", min_filter="linear", **{f"address_mode_{a}": "clamp-to-edge" for a in "uvw"}
+        )
+        self._make_passes(windows)
+
+    def _make_passes(self, windows: int) -> None:
+        device, n = self.device, self.n
+        values: dict[str, Any] = {"n": n, "windows": windows, "pi": pi, **SH_CONSTANTS}
+        reflectors, cube = storage("reflectors", "vec4f"), texture("cube", "float", "3d")
+        self._coarser = [
+            ComputePass(
+                device, "coarser reflectors", "techniques/lpv/bouncing/coarser_reflectors.wgsl",
+                [storage_rw("reflectors", "vec4f"), windows_binding(windows)], structs=[WINDOW], workgroup=(4, 4, 4),
+                level=level, **values,
+            ) for level in range(windows - 1)
+        ]  # fmt: skip
+        self._mark = ComputePass(
+            device, "mark reflectors", "techniques/lpv/bouncing/mark_reflectors.wgsl",
+            [reflectors, storage_rw("marks", "u32", "write")], workgroup=(64, 1, 1), **values,
+        )  # fmt: skip
+        self._reflect = [
+            ComputePass(
+                device, "reflect", "techniques/lpv/bouncing/reflect.wgsl",
+                [reflectors, cube, *([] if first else [texture("sum_so_far", "float", "3d")]),
+                 storage_texture("sum_out", "rgba16float", "3d"), storage_rw("light", "vec4f", "write"),
+                 storage("peak", "u32")],
+                workgroup=(4, 4, 4), first=first, **values,
+            ) for first in (True, False)
+        ]  # fmt: skip
+        self._inject = ComputePass(
+            device, "inject bounces", "techniques/lpv/bouncing/inject_bounces.wgsl",
+            [reflectors, cube, sampler("volume_sampler"), storage("peak", "u32"), windows_binding(windows),
+             storage_rw("injected", "vec4f")],
+            structs=[WINDOW], workgroup=(4, 4, 4), **values,
+        )  # fmt: skip
+
+    def run(
+        self, stage: Any, injected: Any, peak: Any, reflectors: Any, packed_shares: Any, windows: Any
+    ) -> None:
+        """Add bounced light to each window's own cells of `injected`. reflectors: lpv/reflectors.py's, of which the
+        coarser windows' are completed; packed_shares: geometry.py's."""
+        n = self.n
+        for each in self._coarser:
+            each.run(stage, (n // 2,) * 3, reflectors=reflectors, windows=windows)
+        self._gathering.forget(stage)
+        self._mark.run(stage, (n**3,), reflectors=reflectors, marks=self._gathering.marks)
+        self._begin(stage, injected, windows)
+        so_far, target = self._sums
+        for bounce in range(self._count):
+            self._gathering.update(stage, self._light)
+            self._gathering.gather(stage, peak, packed_shares)
+            before = {} if bounce == 0 else {"sum_so_far": so_far}
+            self._reflect[bounce > 0].run(
+                stage, (n, n, n), reflectors=reflectors, cube=self._gathering.cube, **before, sum_out=target,
+                light=self._light, peak=peak,
+            )  # fmt: skip
+            so_far, target = target, so_far
+        self._inject.run(
+            stage, (n, n, n * self._windows), reflectors=reflectors, cube=so_far, volume_sampler=self._sampler,
+            peak=peak, windows=windows, injected=injected,
+        )  # fmt: skip
+
+    def _begin(self, stage: Any, injected: Any, windows: Any) -> None:
+        """The light of all windows in the cells of the last."""
+        size = self.n**3 * 48
+        source = injected
+        if self._nested is not None:
+            stage.encoder.copy_buffer_to_buffer(injected, 0, self._nested, 0, self._windows * size)
+            self._into_last.run(stage, self._nested, windows)
+            source = self._nested
+        stage.encoder.copy_buffer_to_buffer(source, (self._windows - 1) * size, self._light, 0, size)
