@@ -64,7 +64,7 @@ class _WithGeometry(Technique):
 
     def update(self, frame: Frame) -> None:
         if not hasattr(self, "_filled"):
-            self._filled = GeometryVolume(self.device, self.levels, camera=False)
+            self._filled = GeometryVolume(self.device, self.levels, camera=False, planes=False)
         with frame.profiler.stage("geometry volume") as stage:
             self._filled.run(stage, frame, self._grid_buffer)
         super().update(frame)

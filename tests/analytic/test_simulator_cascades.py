@@ -10,6 +10,7 @@ import pytest
 from octolux.simulator import sh
 from octolux.simulator.grid import Grid
 from octolux.simulator.lpv import cascades, gathering
+from octolux.simulator.lpv.geometry import Planes, plane_levels
 from octolux.simulator.lpv.octree import build_levels
 
 VOLUME = Grid((-3.0, 1.0, 2.0), 0.5, 32)
@@ -136,6 +137,29 @@ def test_light_is_kept_and_each_part_of_space_is_read_once():
         x, y, z = (cells - windows[base].origin).T
         here = levels[base][z, y, x, :, 0].sum(axis=-1) / sh.Y0  # band 0 is Y0 times the flux
         np.testing.assert_allclose(read + here, levels[-1][0, 0, 0, :, 0].sum() / sh.Y0, rtol=1e-9)
+
+
+def test_a_wall_through_nested_windows_stays_whole_and_where_it_is():
+    """Each window has of its own what no finer one holds: with its children's it has all of the wall within its reach,
+    at the same place, and in no other layer."""
+    n, place = 16, 30.3  # in cells of level 0
+    windows = cascades.place_windows(n, 3, Grid((0, 0, 0), 1.0, n), [5.0, 9.0, 6.0], [0.0, 0.6, 0.8])
+    own = []
+    for number, window in enumerate(windows):
+        shares, offsets = np.zeros((n, n, n, 3)), np.full((n, n, n, 3), place / window.size % 1.0)
+        shares[int(place / window.size) - window.origin[2], ..., 2] = 1.0
+        if number:
+            x, y, z = np.array(windows[number - 1].origin) // 2 - window.origin
+            shares[z : z + n // 2, y : y + n // 2, x : x + n // 2] = 0.0
+        own.append(Planes(shares, offsets))
+    for level, window in zip(cascades.nested_planes(own, windows), windows, strict=False):
+        layer = int(place / window.size) - window.origin[2]
+        assert 0 <= layer < n and np.count_nonzero(level.shares) == n * n
+        np.testing.assert_allclose(level.shares[layer, ..., 2], 1.0, rtol=1e-12)
+        np.testing.assert_allclose(level.offsets[layer, ..., 2], place / window.size % 1.0, rtol=1e-12)
+    alone = cascades.nested_planes(own[-1:], windows[-1:])
+    for ours, plain in zip(alone, plane_levels(own[-1]), strict=True):
+        assert np.array_equal(ours.shares, plain.shares) and np.array_equal(ours.offsets, plain.offsets)
 
 
 def test_one_window_is_the_octree():

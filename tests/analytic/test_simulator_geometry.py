@@ -1,4 +1,4 @@
-"""The geometry volume: shares of cross sections, and cones through walls (simulator/lpv/geometry.py)."""
+"""The geometry volume: shares of cross sections (simulator/lpv/geometry.py). Planes: test_simulator_planes.py."""
 
 from __future__ import annotations
 
@@ -102,74 +102,3 @@ def test_two_layers_close_a_cell_once():
     finest = np.zeros((4, 4, 4, 3))
     finest[:2, ..., 2] = 1.0
     assert (geometry.geometry_levels(finest)[1][0, ..., 2] == 1.0).all()
-
-
-def transmittance(levels, start, end, size=1.0) -> np.ndarray:
-    start, end = np.broadcast_arrays(np.atleast_2d(start), np.atleast_2d(end))
-    return geometry.cone_transmittance(levels, start, end, size)
-
-
-def test_the_empty_volume_lets_everything_pass():
-    rng = np.random.default_rng(0)
-    ends = rng.integers(0, N, (2, 200, 3)) + 0.5
-    assert (transmittance(geometry.geometry_levels(np.zeros((N, N, N, 3))), *ends) == 1.0).all()
-
-
-@pytest.mark.parametrize("sense", [1, -1])
-@pytest.mark.parametrize("axis", [0, 1, 2])
-def test_a_closed_wall_stops_everything(axis, sense):
-    """At every place but the start's own cell, the end's, and the one before, whatever levels the march goes through:
-    no way leaves out a layer where it goes on to the next level. Ways are straight and slanted, in both senses."""
-    n = 32
-    start, end, places = [], [], []
-    for distance in range(3, n - 1):
-        for first in (0, 3, n - 1 - distance):
-            for aside in (0, 1, distance // 2, distance - 1):
-                from_cell, to_cell = np.full(3, n // 2 - distance // 2), np.full(3, n // 2 - distance // 2)
-                to_cell += aside
-                from_cell[axis], to_cell[axis] = (first, first + distance)[::sense]
-                start.append(from_cell + 0.5)
-                end.append(to_cell + 0.5)
-                places.append((from_cell[axis], to_cell[axis]))
-    for layer in range(n):
-        before = [(layer - a) * sense > 0 and (b - layer) * sense > 1 for a, b in places]
-        if any(before):
-            found = transmittance(wall_levels(axis, layer, n), np.array(start)[before], np.array(end)[before])
-            assert np.all(found < 1e-12), layer
-
-
-@pytest.mark.parametrize("sense", [1, -1])
-def test_a_half_open_wall_lets_half_pass(sense):
-    """On level 0 exactly: each layer is crossed once, and none of the start's cell, the end's and the one before."""
-    start, end = np.full(3, 8.5), np.full(3, 8.5)
-    end[1] += sense * 6.0
-    for layer in range(N):
-        levels = [0.5 * level for level in wall_levels(1, layer)]
-        between = 0 < sense * (layer - 8) < 5
-        assert transmittance(levels, start, end) == (0.5 if between else 1.0)
-
-
-def test_a_slanted_way_through_a_wall():
-    """Light at an angle meets a share |n.u| / max |u| of what a step sees of it: across the longest axis all of the
-    wall, and of one along it, that the way passes through in m steps, 1 - (1 - slope)^m."""
-    start, end = np.array([1.5, 4.5, 4.5]), np.array([9.5, 8.5, 4.5])
-    along = wall_levels(1, 6)  # the way rises by half a cell a step: two steps are in the layer
-    assert transmittance(along, start, end) == pytest.approx((1.0 - 0.5) ** 2, abs=1e-12)
-    assert transmittance(wall_levels(0, 5), start, end) < 1e-12
-    assert transmittance(wall_levels(2, 4), start, end) == 1.0  # it is passed along, never across
-
-
-def test_mirrored_ways_pass_as_much():
-    """A random volume and its mirror image, for ways of all directions and levels: no axis and no sense is special but
-    for ties, which random volumes do not forgive."""
-    rng = np.random.default_rng(3)
-    finest = rng.uniform(0.0, 0.4, (N, N, N, 3))
-    cells = rng.integers(0, N, (2, 300, 3))
-    size = 2.0 ** rng.integers(0, 3, 300)
-    straight = transmittance(geometry.geometry_levels(finest), *(cells + 0.5), size)
-    mirrored = transmittance(geometry.geometry_levels(finest[::-1, ::-1, ::-1]), *(N - 0.5 - cells), size)
-    np.testing.assert_allclose(mirrored, straight, rtol=1e-12)
-    turned = np.moveaxis(finest, (0, 1, 2), (1, 2, 0))[..., [1, 2, 0]]
-    cycled = transmittance(geometry.geometry_levels(turned), *(cells[..., [1, 2, 0]] + 0.5), size)
-    assert np.isclose(cycled, straight, rtol=1e-12).mean() > 0.9  # ties of the longest axis go to the first
-    assert 0.01 < np.median(straight) < 0.99

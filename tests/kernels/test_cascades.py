@@ -9,7 +9,7 @@ import pytest
 from gpu_tools import one_stage, random_directions, read_buffer
 from test_lookup import GRID as BOX
 from test_lookup import gbuffer
-from test_octree_gathering import HALF_FLOAT, STORED, packed
+from test_octree_gathering import HALF_FLOAT, STORED, packed, random_planes
 
 from octolux.frame.structs import VPL
 from octolux.gpu.records import record_texture
@@ -87,34 +87,28 @@ def test_injection_into_the_finest_or_every_grid(device, every):
 
 
 def test_surfels_of_the_finest_grid_and_of_coarser_ones(device):
-    """Each in the finest grid that holds it, others from their children; as in test_octree_geometry.py."""
+    """Each in the finest grid that holds it, others from their children; as in test_octree_geometry.py. Planes are the
+    means of shares of 1/1000 at least, of which normals in float32 take 1e-6 of a wall, and rounding less."""
     vpls = safe(random_vpls(20000), -geometry.BEHIND)
     made = GeometryVolume(device, LEVELS, camera=False)
     frame = SimpleNamespace(
-        vpls=record_texture(device, "vpls", VPL, len(vpls), vpls), lights=SimpleNamespace(lamps=1),
+        vpls=record_texture(device, "vpls", VPL, len(vpls), vpls), vpl_surfaces=None, lights=SimpleNamespace(lamps=1),
         vpl_ranges=[(0, len(vpls))], vpl_widths=[64],
     )  # fmt: skip
     with one_stage(device) as stage:
         made.run(stage, frame, *uniforms(device))
-    flat = read_buffer(device, made.shares).reshape(-1, 4)[:, :3]
+    shares, offsets = (read_buffer(device, b).reshape(-1, 4)[:, :3] for b in (made.shares, made.offsets))
     normals, positions = unpack_normals(vpls["normal"]), vpls["position"].astype(np.float64)
     owner, areas = finest(positions, -geometry.BEHIND * normals), vpls["area"].astype(np.float64)
-    own = [geometry.inject_surfels(positions[owner == i], normals[owner == i], areas[owner == i], grid)
+    own = [geometry.inject_planes(positions[owner == i], normals[owner == i], areas[owner == i], grid)
            for i, grid in enumerate(GRIDS)]  # fmt: skip
     most = np.bincount(owner).max() / N**3 * 50  # far more than any cell has
-    for found, expected in zip(LEVELS.split(flat), blocked_levels(own), strict=True):
-        np.testing.assert_allclose(found, expected, rtol=1e-5, atol=most * 0.5 / 65536)
-
-
-def blocked_levels(own: list[np.ndarray]) -> list[np.ndarray]:
-    """Shares of all levels from what each window has of its own, at most 1 everywhere."""
-    levels = cascades.nested_levels(own, WINDOWS, 0.25)
-    result = [own[0]]
-    for i in range(1, COUNT):
-        result.append(np.minimum(cascades.nested_levels([result[-1], own[i]], WINDOWS[i - 1 :], 0.25)[1], 1.0))
-    result += geometry.geometry_levels(result[-1])[1:]
-    assert len(result) == len(levels)
-    return result
+    levels = cascades.nested_planes(own, WINDOWS)
+    for found, place, expected in zip(LEVELS.split(shares), LEVELS.split(offsets), levels, strict=True):
+        np.testing.assert_allclose(found, expected.shares, rtol=1e-5, atol=most * 0.5 / 65536)
+        filled = expected.shares > 1e-3
+        np.testing.assert_allclose(place[filled], expected.offsets[filled], atol=2e-3)
+        assert filled.any()
 
 
 def scattered_light(seed: int) -> list[np.ndarray]:
@@ -140,8 +134,8 @@ def test_every_window_gathers(device, density):
     made = Gathering(device, LEVELS, occlusion=density is not None, lookup_offset=0.5, everywhere=True)
     words, blockers = None, None
     if density is not None:
-        shares = [rng.uniform(0.0, 1.0, (N, N, N, 3)) * (rng.random((N, N, N, 1)) < density) for _ in range(COUNT)]
-        words, blockers = packed([*shares, *geometry.geometry_levels(shares[-1])[1:]])
+        planes = [random_planes(rng, density) for _ in range(COUNT)]
+        words, blockers = packed([*planes, *geometry.plane_levels(planes[-1])[1:]])
     injected = np.zeros((LEVELS.cells, 3, 4), np.float32)
     injected[: COUNT * N**3] = np.concatenate([light.reshape(-1, 3, 4) for light in own])
     peak = injected[:, :, 0].max()

@@ -1,4 +1,4 @@
-"""The geometry volume on the device (surfels_*.wgsl, pack_shares.wgsl) against the simulator's, and a wall seen."""
+"""The geometry volume on the device against the simulator's, and a wall seen. Its planes: test_octree_planes.py."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from octolux.simulator.grid import Grid
 from octolux.simulator.lpv import geometry as reference
 from octolux.simulator.lpv.octree import level_sizes
 from octolux.techniques.lpv.constants import pack_grid
-from octolux.techniques.lpv.geometry import GeometryVolume
+from octolux.techniques.lpv.geometry import GeometryVolume, fixed_point_wall
+from octolux.techniques.lpv.injection import RUN
 from octolux.techniques.lpv.levels import Levels
 
 N = 16
 GRID = Grid((-1.0, -0.5, 2.0), 0.25, N)
 LEVELS = Levels(level_sizes(N))
-FIXED_POINT = 0.5 / 65536  # of a share, for each surfel
 
 
 def random_surfels(rng, count: int, area: float) -> np.ndarray:
@@ -41,9 +41,9 @@ def random_surfels(rng, count: int, area: float) -> np.ndarray:
     return vpls
 
 
-def inject(vpls: np.ndarray) -> np.ndarray:
+def inject(vpls: np.ndarray) -> reference.Planes:
     position = vpls["position"].astype(np.float64)
-    return reference.inject_surfels(position, unpack_normals(vpls["normal"]), vpls["area"].astype(np.float64), GRID)
+    return reference.inject_planes(position, unpack_normals(vpls["normal"]), vpls["area"].astype(np.float64), GRID)
 
 
 def run(
@@ -56,19 +56,18 @@ def run(
     for start, group in zip(starts, groups, strict=False):
         vpls[start : start + len(group)] = group
     frame = SimpleNamespace(
-        vpls=record_texture(device, "vpls", VPL, len(vpls), vpls),
+        vpls=record_texture(device, "vpls", VPL, len(vpls), vpls), vpl_surfaces=None,
         lights=SimpleNamespace(lamps=len(groups) if lamps is None else lamps),
         vpl_ranges=[(int(s), len(g)) for s, g in zip(starts, groups, strict=False)], vpl_widths=[width] * len(groups),
     )  # fmt: skip
     with one_stage(device) as stage:
         made.run(stage, frame, device.uniform("grid", pack_grid(GRID)))
-    flat = read_buffer(device, made.shares).reshape(-1, 4)[:, :3]
-    return [flat[LEVELS.first(i) :][: n**3].reshape(n, n, n, 3) for i, n in enumerate(LEVELS.sizes)]
+    return LEVELS.split(read_buffer(device, made.shares).reshape(-1, 4)[:, :3])
 
 
-@pytest.fixture(scope="module")
-def made(device):
-    return GeometryVolume(device, LEVELS, camera=False)
+@pytest.fixture(scope="module", params=[False, True], ids=["shares", "planes"])
+def made(device, request):
+    return GeometryVolume(device, LEVELS, camera=False, planes=request.param)
 
 
 def test_surfels_of_three_lights(device, made):
@@ -77,10 +76,10 @@ def test_surfels_of_three_lights(device, made):
     rng = np.random.default_rng(1)
     groups = [random_surfels(rng, count, 0.1) for count in (20000, 3000, 1)]
     found = run(device, made, groups)
-    expected = reference.geometry_levels(reference.merge_buffers([inject(g) for g in groups]))
+    expected = reference.geometry_levels(reference.merge_buffers([inject(g).shares for g in groups]))
     most = max(np.bincount(cell_numbers(g)).max() for g in groups)
     for f, e in zip(found, expected, strict=True):
-        np.testing.assert_allclose(f, e, rtol=1e-5, atol=most * FIXED_POINT)
+        np.testing.assert_allclose(f, e, rtol=1e-5, atol=most * 0.5 / 65536)
     assert 0.05 < (found[0] == 1.0).mean() < 0.95
 
 
@@ -117,24 +116,28 @@ def test_soft_lights_do_not_count(device, made):
     assert not any(level.any() for level in run(device, made, groups, lamps=0))
 
 
+@pytest.mark.parametrize("count", [1, 1000, 1 << 17, 6 << 20, 1 << 26])
+def test_a_wall_in_fixed_point(count):
+    """All of a buffer stay below 2^42, so that 10 bits count how often a sum has gone beyond 32; a walk stays below
+    that. It is as fine as float32 for some 200,000 surfels, and never coarser than without planes."""
+    wall = fixed_point_wall(count, True)
+    assert count * wall < 2**42 and RUN * wall < 2**32 and wall == 2 ** (wall.bit_length() - 1)
+    assert wall == 2**24 if count <= 1 << 17 else wall >= fixed_point_wall(count, False) // 2
+
+
 def test_a_cell_with_too_much_is_closed(device, made):
     """A hundred thousand large surfels in a cell: fixed point does not overflow."""
-    vpls = VPL.array(100_000)
-    vpls["normal"], vpls["area"] = pack_normals(np.array([0.0, 0.0, 1.0])), 1e3
-    vpls["position"] = np.array(GRID.origin) + 5.3 * GRID.cell_size
-    found = run(device, made, [vpls])[0]
+    found = run(device, made, [too_many(1e3)])[0]
     assert found[5, 5, 5, 2] == 1.0 and np.count_nonzero(found[..., 2]) == 1
 
 
-def test_packed_shares_are_the_nearest_bytes(device, made):
-    levels = run(device, made, [random_surfels(np.random.default_rng(5), 5000, 0.1)])
-    with one_stage(device) as stage:
-        made.pack(stage)
-    words = read_buffer(device, made.packed, np.uint32)[: LEVELS.cells]
-    packed = np.stack([words >> shift & 255 for shift in (0, 8, 16)], axis=-1) / 255.0
-    shares = np.concatenate([level.reshape(-1, 3) for level in levels])
-    assert np.abs(packed - shares).max() <= 1 / 510 + 2.0**-23
-    assert np.array_equal(packed == 1.0, shares > 1.0 - 1 / 510)
+def too_many(area: float) -> np.ndarray:
+    """A hundred thousand surfels in one cell, a quarter of them at 0.3 in it, the others at 0.7."""
+    vpls = VPL.array(100_000)
+    vpls["normal"], vpls["area"] = pack_normals(np.array([0.0, 0.0, 1.0])), area
+    vpls["position"] = np.array(GRID.origin) + 5.7 * GRID.cell_size
+    vpls["position"][::4, 2] -= 0.4 * GRID.cell_size
+    return vpls
 
 
 # A wall of 2 x 2 m. What lies behind it, hidden, keeps it off the faces of the cells in the middle of the volume.

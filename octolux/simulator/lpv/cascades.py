@@ -17,6 +17,7 @@ import numpy as np
 
 from octolux.simulator.grid import Grid
 from octolux.simulator.lpv.gathering import Nodes, first_moments, nodes_of
+from octolux.simulator.lpv.geometry import Planes, coarser_planes, plane_levels, planes_of
 from octolux.simulator.lpv.octree import downsample
 
 SNAP = 4
@@ -94,19 +95,35 @@ def weights(places, windows: Sequence[Window], n: int) -> np.ndarray:
     return np.array(result)
 
 
-def nested_levels(own: Sequence[np.ndarray], windows: Sequence[Window], factor: float = 1.0) -> list[np.ndarray]:
-    """All levels from what each window [z][y][x]... has that no finer one holds: to it comes `factor` times the sum of
-    the children that the finer window has; and then the octree above the last window, down to one cell."""
+def _reached(inner: Window, outer: Window, n: int) -> tuple[slice, slice, slice]:
+    """The cells [z][y][x] of a window that the finer one in it has children of."""
+    x, y, z = (i // 2 - o for i, o in zip(inner.origin, outer.origin, strict=True))
+    return slice(z, z + n // 2), slice(y, y + n // 2), slice(x, x + n // 2)
+
+
+def nested_levels(own: Sequence[np.ndarray], windows: Sequence[Window]) -> list[np.ndarray]:
+    """All levels from what each window [z][y][x]... has that no finer one holds: to it comes the sum of the children
+    that the finer window has; and then the octree above the last window, down to one cell."""
     levels = [np.asarray(own[0], dtype=np.float64)]
     for cells, inner, outer in zip(own[1:], windows, windows[1:], strict=False):
         here = np.array(cells, dtype=np.float64)
-        x, y, z = np.array(inner.origin) // 2 - outer.origin
-        half = here.shape[0] // 2
-        here[z : z + half, y : y + half, x : x + half] += factor * downsample(levels[-1], "sum")
+        here[_reached(inner, outer, len(here))] += downsample(levels[-1], "sum")
         levels.append(here)
     while levels[-1].shape[0] > 1:
-        levels.append(factor * downsample(levels[-1], "sum"))
+        levels.append(downsample(levels[-1], "sum"))
     return levels
+
+
+def nested_planes(own: Sequence[Planes], windows: Sequence[Window]) -> list[Planes]:
+    """The same of the geometry volume: a quarter of the children's shares, and at most 1 on each level."""
+    levels = [own[0]]
+    for cells, inner, outer in zip(own[1:], windows, windows[1:], strict=False):
+        sums, moments = cells.shares.copy(), cells.shares * cells.offsets
+        reached = _reached(inner, outer, len(sums))
+        for mine, children in zip((sums, moments), coarser_planes(levels[-1]), strict=True):
+            mine[reached] += children
+        levels.append(planes_of(sums, moments))
+    return levels[:-1] + plane_levels(levels[-1])
 
 
 def window_nodes(own: Sequence[np.ndarray], windows: Sequence[Window]) -> list[Nodes]:

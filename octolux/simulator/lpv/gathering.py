@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from octolux.simulator import sh as harmonics
-from octolux.simulator.lpv.geometry import cone_transmittance
+from octolux.simulator.lpv.geometry import Planes, cone_transmittance
 from octolux.simulator.lpv.octree import build_levels
 from octolux.simulator.lpv.transfer import DIRECTIONS
 
@@ -83,7 +83,7 @@ def takes(cell: np.ndarray, node: np.ndarray, steps: int, last: bool, whole=True
 
 
 def gather(
-    cells, nodes: Sequence[Nodes], cell_size: float, geometry: Sequence[np.ndarray] | None = None, *,
+    cells, nodes: Sequence[Nodes], cell_size: float, geometry: Sequence[Planes] | None = None, *,
     base: int = 0, origins: Sequence[tuple[int, int, int]] = (), n: int = 0,
 ) -> np.ndarray:  # fmt: skip
     """Irradiance (M, 6, 3) [face][rgb], W/m^2 (lx), on small faces in the middle of `cells` (M, 3) of level `base`

@@ -1,14 +1,32 @@
-"""The geometry volume: how much surface lies in each cell, and what of a ray it lets through.
+"""The geometry volume: how much surface lies in each cell, where, and what of a ray it lets through.
 
 Each surfel (a texel of an RSM or of the G-buffer) has an area and a normal. A cell holds the three projected areas
 a = sum of area |n| over the square of the cell size: the share of the cell's cross section that is blocked for light
 along x, y and z. Kaplanyan & Dachsbacher 2010, 3.2 hold the same, area / s^2 times the cosine, as a two-band SH lobe
 around the normal; its band 1 cancels for a thin wall that is seen from both sides, which three sizes do not.
+
+Steps of propagation pass faces between cells and need the shares alone (`face_transmittance`). A march has to know
+where in its cells the surfaces lie, too: a way of length L (in cells) through a cell along u meets a surface that may
+be anywhere in it with a chance of |u| L along each axis, so that shares alone let 1 - a.|u| L pass. That is right on
+average and wrong each time: a wall dims what runs past it within its cells, and of what goes through it some passes.
+So a cell also has three planes, one across each axis, at the mean place of the surfels by their shares (`Planes`). A
+way is blocked by the share of each plane it crosses, and by none that it does not: of a wall across an axis exactly
+what goes through. Planes anywhere in the cell give a.|u| L again, as the chance to cross one is its |u| L.
+
+Where this is not exact:
+- Surfaces at a slant are stairs: each of their cells has a plane across either axis, crossed in the cell's whole width.
+  What goes through is blocked, but so is what runs along within their cells. Where the surface leaves a cell through
+  its side, neighbours have a share b and 1 - b of it across that axis, and b (1 - b) of the light between them passes.
+- Of several parallel walls in a cell there is one, in their middle, as closed as all together.
+- A plane spans its cell. Of half a wall, half the light passes wherever it crosses.
+- Planes of a coarser cell lie at the mean of its children's (`coarser_planes`): a wall along the axes where it was, two
+  walls that it holds in their middle. The coarser the cells, the farther away is what they block (CONE_LENGTH).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,10 +44,20 @@ LEFT_OUT = 1.5
 SHORT = 0.9999
 """Points are read a little before where they lie, so that rounding decides nothing where a way passes through edges."""
 
-
 BEHIND = 2.0**-8
 """Cells by which a surfel counts behind its surface, against the normal: a wall that lies on a face between cells is
 then in one of them whole, and rounding of its place (some 1e-5 of a cell) does not share it out among both."""
+
+STEPS = 31, 32
+"""Of a packed share, which is rounded, and of a plane's place, which lies in the middle of its step: 5 bits each."""
+
+
+class Planes(NamedTuple):
+    """Float64 [z][y][x][3] each. shares: of the cell's cross section, what is blocked along x, y and z.
+    offsets: where along the axis its plane lies, from 0 to 1 in the cell; of no meaning without a share."""
+
+    shares: np.ndarray
+    offsets: np.ndarray
 
 
 def inject_surfels(position, normal, area, grid: Grid) -> np.ndarray:
@@ -38,18 +66,39 @@ def inject_surfels(position, normal, area, grid: Grid) -> np.ndarray:
 
     position: (M, 3), world space.  normal: (M, 3) unit.  area: (M,), m^2. Surfels outside the grid are omitted.
     """
-    cells = grid.cell_of(np.asarray(position) - BEHIND * grid.cell_size * np.asarray(normal))
+    return inject_planes(position, normal, area, grid).shares
+
+
+def inject_planes(position, normal, area, grid: Grid) -> Planes:
+    """As `inject_surfels`, and where they lie: the mean, of which a surfel has its share, at most 1, as weight."""
+    places = grid.to_cells(np.asarray(position) - BEHIND * grid.cell_size * np.asarray(normal))
+    cells = np.floor(places).astype(np.int64)
     kept = np.all((cells >= 0) & (cells < grid.n), axis=-1)
     x, y, z = cells[kept].T
-    volume = np.zeros((grid.n,) * 3 + (3,))
     shares = np.abs(np.asarray(normal, dtype=np.float64)) * np.asarray(area)[:, None] / grid.cell_size**2
-    np.add.at(volume, (z, y, x), shares[kept])
-    return np.minimum(volume, 1.0)
+    weights = np.minimum(shares[kept], 1.0)
+    sums, moments = np.zeros((2, *(grid.n,) * 3, 3))
+    np.add.at(sums, (z, y, x), weights)
+    np.add.at(moments, (z, y, x), weights * (places - cells)[kept])
+    return planes_of(sums, moments)
+
+
+def planes_of(sums: np.ndarray, moments: np.ndarray) -> Planes:
+    """Shares of at most 1, at their mean places: moments are sums of shares times places."""
+    return Planes(np.minimum(sums, 1.0), moments / np.where(sums > 0.0, sums, 1.0))
 
 
 def merge_buffers(volumes: Sequence[np.ndarray]) -> np.ndarray:
     """One volume from those of several buffers, by maximum: each may have seen the same surface (CLPV 3.2)."""
     return np.max(volumes, axis=0)
+
+
+def merge_planes(volumes: Sequence[Planes]) -> Planes:
+    """As `merge_buffers`; along each axis the plane of the buffer that has the most, the first of equals."""
+    shares = np.stack([v.shares for v in volumes])
+    first = shares.argmax(axis=0)[None]
+    offsets = np.take_along_axis(np.stack([v.offsets for v in volumes]), first, axis=0)[0]
+    return Planes(merge_buffers(list(shares)), offsets)
 
 
 def geometry_levels(finest: np.ndarray, coarsest: int = 1) -> list[np.ndarray]:
@@ -59,6 +108,36 @@ def geometry_levels(finest: np.ndarray, coarsest: int = 1) -> list[np.ndarray]:
     for _ in level_sizes(levels[0].shape[0], coarsest)[1:]:
         levels.append(np.minimum(0.25 * downsample(levels[-1], "sum"), 1.0))
     return levels
+
+
+def coarser_planes(planes: Planes) -> tuple[np.ndarray, np.ndarray]:
+    """Of the next coarser level, [z][y][x][3] each: a quarter of the children's shares' sum, as the cross section is 4
+    times as large, not limited; and their moments: the sum of shares times places in the parent."""
+    z, y, x = np.indices(planes.shares.shape[:3]) % 2
+    corner = np.stack([x, y, z], axis=-1)
+    quarter = 0.25 * planes.shares
+    return downsample(quarter, "sum"), downsample(quarter * 0.5 * (planes.offsets + corner), "sum")
+
+
+def plane_levels(finest: Planes) -> list[Planes]:
+    """The octree above `finest`, down to one cell."""
+    levels = [finest]
+    while levels[-1].shares.shape[0] > 1:
+        levels.append(planes_of(*coarser_planes(levels[-1])))
+    return levels
+
+
+def pack_planes(planes: Planes) -> np.ndarray:
+    """A word for each cell, uint32 [z][y][x]: 10 bits an axis, x in the lowest, of which the lower 5 are the share."""
+    share = np.rint(STEPS[0] * planes.shares).astype(np.uint32)
+    plane = np.minimum(STEPS[1] * planes.offsets, STEPS[1] - 1).astype(np.uint32)
+    return (share | plane << 5) @ np.array([1, 1 << 10, 1 << 20], np.uint32)
+
+
+def unpack_planes(words) -> Planes:
+    """What `pack_planes` has kept: shares to 1/62, places to 1/64 of a cell."""
+    axes = np.asarray(words)[..., None] >> np.array([0, 10, 20], np.uint32)
+    return Planes((axes & 31) / STEPS[0], ((axes >> 5 & 31) + 0.5) / STEPS[1])
 
 
 def face_transmittance(shares) -> np.ndarray:
@@ -89,45 +168,68 @@ def face_transmittance(shares) -> np.ndarray:
     return result
 
 
-def cone_transmittance(geometry: Sequence[np.ndarray], start, end, node_size, origins=None) -> np.ndarray:
+def cone_transmittance(levels: Sequence[Planes], start, end, node_size, origins=None) -> np.ndarray:
     """Share (M,) of light that passes from points `end` (M, 3) in nodes of `node_size` (M,) to points `start` (M, 3),
     in the middle of cells, in cells of level 0: a cone from a point to the node, marched on the level whose cells are
     half as wide as the cone.
 
-    Each step crosses one layer of cells of its level, across the direction's longest component, and reads the cell in
-    the middle of the step: it is blocked by the cell's shares a.|u| times the length of the step, at most wholly.
-    Steps begin on the faces of their level's cells, if need be one former step earlier, so that each layer is crossed
-    and a wall across the way blocks all.
-    Of a level whose array does not hold all of space, but begins at the cell `origins` (levels, 3), steps are made
-    while their middles lie in it.
-    The start's own cell is left out, and before `end` half the node, which is where its own surfaces lie, or its cell
-    and another: they are what the light comes from and goes to, each up to half a cell behind its point.
+    Each step goes one cell of its level along the direction's longest component and reads the cell where it ends: the
+    first of the next level is another of the former, so that there is no gap (`_let_through`), and each layer of cells
+    across that component is crossed. What lies on both levels there counts on both: a wall stays closed.
+    Of a level whose array does not hold all of space, but begins at the cell `origins` (levels, 3), steps are made that
+    end in it.
+    The start's own cell is left out, and layers that begin, before `end`, within half the node, which is where its own
+    surfaces lie, or within its cell and another: they are what the light comes from and goes to, each up to half a cell
+    behind its point.
     """
     start, end = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
     distance = np.linalg.norm(end - start, axis=-1)
     towards = (end - start) / np.where(distance > 0.0, distance, 1.0)[:, None]
     axis = np.abs(towards).argmax(axis=-1)[:, None]
+    along, sense = (np.take_along_axis(a, axis, axis=-1)[:, 0] for a in (start, np.where(towards > 0.0, 1.0, -1.0)))
     longest = np.maximum(np.abs(np.take_along_axis(towards, axis, axis=-1)[:, 0]), 1e-6)
-    sense = np.where(np.take_along_axis(towards, axis, axis=-1)[:, 0] > 0.0, 1.0, -1.0)
-    along = np.take_along_axis(start, axis, axis=-1)[:, 0]
-    last = distance * longest - np.maximum(LEFT_OUT, 0.5 * np.asarray(node_size)) - 0.25  # never half-way by rounding
-    passed, travelled, level = np.ones(len(start)), np.full(len(start), 0.5), np.zeros(len(start), dtype=int)
-    origins = np.zeros((len(geometry), 3), dtype=int) if origins is None else np.asarray(origins)
-    while (inside := travelled < last).any():
+    step = SHORT * towards / longest[:, None]
+    whole = distance * longest
+    last = whole - np.maximum(LEFT_OUT, 0.5 * np.asarray(node_size)) - 0.25  # never half-way by rounding
+    passed, travelled, level = np.ones(len(start)), np.ones(len(start)), np.zeros(len(start), dtype=int)
+    origins = np.zeros((len(levels), 3), dtype=int) if origins is None else np.asarray(origins)
+    going = last > 0.5
+    while going.any():
         width = 2.0**level
-        middle = start + towards * (SHORT * (travelled + 0.5 * width) / longest)[:, None]
+        into = sense * (along + sense * travelled) % width  # how far in its layer each step of this level ends
+        point = start + step * travelled[:, None]
+        left = np.minimum((whole - travelled) / width, 1.0)[:, None]
         stepped = np.zeros(len(start), dtype=bool)
-        for i, shares in enumerate(geometry):
-            cell = np.floor(middle / 2**i).astype(int) - origins[i]
-            held = np.all((cell >= 0) & (cell < shares.shape[0]), axis=-1) | (i == len(geometry) - 1)
-            here = inside & (level == i) & held
-            x, y, z = np.clip(cell[here], 0, shares.shape[0] - 1).T
-            blocked = np.sum(shares[z, y, x] * np.abs(towards[here]), axis=-1)
-            passed[here] *= 1.0 - np.minimum(blocked / longest[here], 1.0)
+        for i, planes in enumerate(levels):
+            at, n = point / 2**i - origins[i], planes.shares.shape[0]
+            held = np.all((at >= 0.0) & (at < n), axis=-1) | (i == len(levels) - 1)
+            here = going & (level == i) & held
+            passed[here] *= _let_through(planes, at[here], step[here], left[here])
             stepped |= here
-        travelled = travelled + np.where(stepped, width, 0.0)
+        travelled = np.where(stepped, travelled + width, travelled)
+        going &= travelled - into < last
         long_enough = travelled >= 2.0 * CONE_LENGTH * width * longest
-        wider = (travelled < last) & (long_enough | ~stepped) & (level < len(geometry) - 1)
-        level = level + wider
-        travelled -= np.where(wider, (along + sense * travelled) % 2.0**level, 0.0)
+        level = level + (going & (long_enough | ~stepped) & (level < len(levels) - 1))
     return passed
+
+
+def _let_through(planes: Planes, at: np.ndarray, step: np.ndarray, left: np.ndarray) -> np.ndarray:
+    """What one step's cell lets through (M,): the product of 1 - share over the planes that are crossed.
+
+    at: (M, 3), where the step ends, in cells. step: (M, 3), of one cell along its longest component. left: (M, 1), how
+    much of a further step there is, at most 1.
+
+    Cells are read where steps end, but each plane is crossed by one step: between the end of the one before, or the
+    cell's beginning if that lies in another along this axis, and its own, or the cell's end if the way goes on
+    beyond. So parts of a way within a cell follow on one another without gaps.
+    """
+    cell = np.clip(np.floor(at).astype(int), 0, planes.shares.shape[0] - 1)
+    x, y, z = cell.T
+    share, plane = planes.shares[z, y, x], planes.offsets[z, y, x]
+    fraction, size, upwards = at - np.floor(at), np.abs(step), step > 0.0
+    within = np.where(upwards, fraction, 1.0 - fraction)  # counted along the way, as all below
+    ahead = np.where(upwards, plane, 1.0 - plane)
+    begin = np.where(within > size, within - size, -1.0)
+    end = np.where(within + left * size >= 1.0, 2.0, within)
+    crossed = (ahead > begin) & (ahead <= end)
+    return np.prod(1.0 - np.where(crossed, share, 0.0), axis=-1)

@@ -15,7 +15,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= source.count { return; }
     let record = load_emitted(source.first + id.x);
     let beam = record.beam * unpack_unit_vector(record.axis);
-    let cell = {{ "cell_of_grid(id.y, " if every else "finest_cell(" }}record.position, 0.5 * beam);
+    let cell = held_by(id.y, record.position, 0.5 * beam).cell;
     if cell == NOWHERE { return; }
     {% if collect %}
     {% for channel in range(3) %}{% for k in range(4) %}

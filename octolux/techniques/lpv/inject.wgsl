@@ -10,6 +10,9 @@
 {{ use("shaders/octahedral.wgsl") }}
 {{ use("shaders/sh.wgsl") }}
 {{ use("techniques/lpv/cell_in_grids.wgsl") }}
+{% if small_objects != "keep" %}
+{{ use("techniques/lpv/small_objects.wgsl") }}
+{% endif %}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -25,15 +28,20 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         var first{{ channel }} = vec4i(0);
         {% endfor %}
         loop {
-            let vpl = load_vpls(source.first + start + i * source.width);
+            let number = source.first + start + i * source.width;
+            let vpl = load_vpls(number);
             let normal = unpack_unit_vector(vpl.normal);
-            let cell = {{ "cell_of_grid(id.y, " if every else "finest_cell(" }}vpl.position, 0.5 * normal);
+            let cell = held_by(id.y, vpl.position, 0.5 * normal).cell;
             let used = cell != NOWHERE && any(vpl.flux != vec3f(0.0));
             one = select(one, cell, used && one == NOWHERE);
             other = select(other, cell, used && cell != one && other == NOWHERE);
             if used && cell != one && cell != other { break; }
             let lobe = sh_cosine_lobe(normal);
+            {% if small_objects != "keep" %}
+            let flux = select(vec3f(0.0), vpl.flux * source.scale * kept_share(number, cell), used);
+            {% else %}
             let flux = select(vec3f(0.0), vpl.flux * source.scale, used);
+            {% endif %}
             {% for channel in range(3) %}
             let c{{ channel }} = vec4i(round(lobe * flux[{{ channel }}]));
             both{{ channel }} += c{{ channel }};

@@ -36,11 +36,16 @@ class Reflectors:
     `every` one that does; the coarser levels are the caller's.
     offset: cells by which a surfel counts before its surface, along the normal: 0.5 is where inject.wgsl puts VPLs,
     -BEHIND (simulator/lpv/geometry.py) where the geometry volume has shares.
+    squares: shares are areas times the squares of the normal's components, which add up to the area: what a cube of
+    irradiance is read by. Otherwise the cross sections' own, which light along an axis meets.
     camera: the G-buffer's surfaces count besides those that lights see.
     A technique that has one needs "rsm" and "surfaces". Raises DeviceError for more cells than fit in a binding.
     """
 
-    def __init__(self, device: Device, levels: Levels, offset: float, camera: bool = True, *, every: bool = False):
+    def __init__(
+        self, device: Device, levels: Levels, offset: float, camera: bool = True, *, every: bool = False,
+        squares: bool = False,
+    ):  # fmt: skip
         self.device, self._camera, self._layers = device, camera, levels.windows if every else 1
         self._cells = cells = levels.windows * levels.sizes[0] ** 3
         room = DEFAULT_LIMITS["max-storage-buffer-binding-size"]
@@ -55,7 +60,7 @@ class Reflectors:
                     atomic_words("tints", "u32")]  # fmt: skip
         values: dict[str, Any] = {
             "run": RUN, "grids": levels.windows, "every": every, "offset": offset, "min_cosine": MIN_COSINE,
-            "one": _ONE, "tint_one": _TINT_ONE, "most_walls": MOST_WALLS, **TRAIT_VALUES,
+            "one": _ONE, "tint_one": _TINT_ONE, "most_walls": MOST_WALLS, "squares": squares, **TRAIT_VALUES,
         }  # fmt: skip
         self._from_vpls = ComputePass(
             device, "reflectors of an RSM", "techniques/lpv/reflectors_rsm.wgsl",
@@ -117,5 +122,6 @@ class Reflectors:
         """A uniform buffer for each buffer of a frame: all are written before the first pass runs."""
         if number == len(self._surfels):
             self._surfels.append(self.device.uniform("LPV surfels", SURFELS.array(1)))
-        self.device.write(self._surfels[number], SURFELS.pack(sums=number % self._at_once * self._cells, **where))
+        sums = number % self._at_once * self._cells
+        self.device.write(self._surfels[number], SURFELS.pack(sums=sums, one=_ONE, **where))
         return self._surfels[number]

@@ -7,30 +7,14 @@
 {{ use("techniques/lpv/cell_in_grids.wgsl") }}
 
 struct Surfel { position: vec3f, normal: vec3f, area: f32 } // no area: nothing is there
-struct Place { cell: u32, per_area: f32 } // over the cell's cross section
-
 // Up to a whole wall along each axis, towards its upper and its lower end; red, green, blue and area.
 struct Sums { upper: vec3u, lower: vec3u, tint: vec4u }
 
-fn place_of(only: u32, position: vec3f, normal: vec3f) -> Place {
-    {% if every %}
-    let size = grids[only].cell_size;
-    return Place(cell_of_grid(only, position, {{ offset }} * normal), 1.0 / (size * size));
-    {% else %}
-    let cell = finest_cell(position, {{ offset }} * normal);
-    let grid = cell / (grids[0].n * grids[0].n * grids[0].n);
-    var size = grids[0].cell_size;
-    {% for i in range(1, grids) %}
-    size = select(size, grids[{{ i }}].cell_size, grid == {{ i }}u);
-    {% endfor %}
-    return Place(cell, 1.0 / (size * size));
-    {% endif %}
-}
-
 fn sums_of(surfel: Surfel, albedo: vec3f, per_area: f32) -> Sums {
     let walls = surfel.area * per_area;
-    let upper = {{ one }}.0 * min(vec3f(1.0), max(vec3f(0.0), surfel.normal) * walls);
-    let lower = {{ one }}.0 * min(vec3f(1.0), max(vec3f(0.0), -surfel.normal) * walls);
+    let facing = {{ "surfel.normal * abs(surfel.normal)" if squares else "surfel.normal" }};
+    let upper = {{ one }}.0 * min(vec3f(1.0), max(vec3f(0.0), facing) * walls);
+    let lower = {{ one }}.0 * min(vec3f(1.0), max(vec3f(0.0), -facing) * walls);
     let tint = vec4f(albedo, 1.0) * (min({{ most_walls }}.0, walls) * {{ tint_one }}.0);
     return Sums(vec3u(round(upper)), vec3u(round(lower)), vec4u(round(tint)));
 }
@@ -78,14 +62,14 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         loop {
             let number = start + i * surfels.width;
             let surfel = surfel_at(number);
-            let place = place_of(id.y, surfel.position, surfel.normal);
-            let used = surfel.area > 0.0 && place.cell != NOWHERE;
-            one = select(one, place.cell, used && one == NOWHERE);
-            other = select(other, place.cell, used && place.cell != one && other == NOWHERE);
-            if used && place.cell != one && place.cell != other { break; }
-            let sums = sums_of(surfel, unpack_traits(traits_at(number)).albedo, place.per_area);
-            of_one = sum_of(of_one, sums, used && place.cell == one);
-            of_other = sum_of(of_other, sums, used && place.cell == other);
+            let cell = held_by(id.y, surfel.position, {{ offset }} * surfel.normal).cell;
+            let used = surfel.area > 0.0 && cell != NOWHERE;
+            one = select(one, cell, used && one == NOWHERE);
+            other = select(other, cell, used && cell != one && other == NOWHERE);
+            if used && cell != one && cell != other { break; }
+            let sums = sums_of(surfel, unpack_traits(traits_at(number)).albedo, per_cross_section(cell));
+            of_one = sum_of(of_one, sums, used && cell == one);
+            of_other = sum_of(of_other, sums, used && cell == other);
             i++;
             if i >= steps { break; }
         }

@@ -1,32 +1,41 @@
 // Surfels' shares of the cross sections of the cells that they lie in (simulator/lpv/geometry.py), in fixed point.
 //
-// A thread walks down {{ run }} surfels of a map's column and adds up their shares while they lie in one cell. Three numbers
+// A thread walks down {{ run }} surfels of a map's column and adds up their shares while they lie in one cell. {% if planes %}Six{% else %}Three{% endif %} numbers
 // are few enough to be scattered in the loop, unlike inject.wgsl's twelve: no thread waits for another that has met a new
 // cell. Each surfel is rounded by itself, so the sums have the same bits however the walks are cut.
 
 struct Surfel { position: vec3f, normal: vec3f, area: f32 } // no area: nothing is there
 {{ use("techniques/lpv/cell_in_grids.wgsl") }}
+{% if planes %}
 
-// One over the cross section of a cell.
-fn per_cross_section(cell: u32) -> f32 {
-    let of_level = cell / (grids[0].n * grids[0].n * grids[0].n);
-    var size = grids[0].cell_size;
-    {% for i in range(1, grids) %}
-    size = select(size, grids[{{ i }}].cell_size, of_level == {{ i }}u);
-    {% endfor %}
-    return 1.0 / (size * size);
+fn add(at: u32, number: u32, carries: u32, carry: u32) {
+    if atomicAdd(&sums[at], number) > 0xffffffffu - number { atomicAdd(&sums[carries], carry); }
 }
 
-// A walk that brings a whole wall closes the cell: more would only come nearer to 2^32.
-fn add_shares(cell: u32, sum: vec3u) {
-    let at = 3u * (surfels.sums + cell);
-    let shares = min(sum, vec3u({{ one }}u));
+// Besides the shares, how far along each axis they lie in the cell. How often each sum has gone beyond 32 bits is counted in
+// two words more, 10 bits an axis: these too are the same in any order.
+fn scatter(cell: u32, sum: vec3u, moment: vec3u) {
+    let at = 8u * (surfels.sums + cell);
     {% for k in range(3) %}
-    if shares[{{ k }}] > 0u && atomicLoad(&sums[at + {{ k }}u]) < {{ one }}u {
+    if sum[{{ k }}] > 0u {
+        add(at + {{ k }}u, sum[{{ k }}], at + 6u, {{ 1024 ** k }}u);
+        add(at + {{ 3 + k }}u, moment[{{ k }}], at + 7u, {{ 1024 ** k }}u);
+    }
+    {% endfor %}
+}
+{% else %}
+
+// A walk that brings a whole wall closes the cell: more would only come nearer to 2^32.
+fn scatter(cell: u32, sum: vec3u, moment: vec3u) {
+    let at = 3u * (surfels.sums + cell);
+    let shares = min(sum, vec3u(u32(surfels.one)));
+    {% for k in range(3) %}
+    if shares[{{ k }}] > 0u && atomicLoad(&sums[at + {{ k }}u]) < u32(surfels.one) {
         atomicAdd(&sums[at + {{ k }}u], shares[{{ k }}]);
     }
     {% endfor %}
 }
+{% endif %}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -36,18 +45,21 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var i = 0u;
     var cell = NOWHERE;
     var sum = vec3u(0u);
+    var moment = vec3u(0u);
     loop {
         let surfel = surfel_at(start + i * surfels.width);
-        let held_by = {{ "cell_of_grid(id.y, " if every else "finest_cell(" }}surfel.position, {{ -behind }} * surfel.normal);
-        let used = surfel.area > 0.0 && held_by != NOWHERE;
-        let next = select(cell, held_by, used);
-        let share = min(vec3f(1.0), abs(surfel.normal) * (surfel.area * per_cross_section(held_by)));
-        let fixed = select(vec3u(0u), vec3u(round(share * {{ one }}.0)), used);
-        if next != cell && cell != NOWHERE { add_shares(cell, sum); }
-        sum = select(sum, vec3u(0u), next != cell) + fixed;
+        let held = held_by(id.y, surfel.position, {{ -behind }} * surfel.normal);
+        let used = surfel.area > 0.0 && held.cell != NOWHERE;
+        let next = select(cell, held.cell, used);
+        let share = surfels.one * min(vec3f(1.0), abs(surfel.normal) * (surfel.area * per_cross_section(held.cell)));
+        if next != cell && cell != NOWHERE { scatter(cell, sum, moment); }
+        sum = select(sum, vec3u(0u), next != cell) + select(vec3u(0u), vec3u(round(share)), used);
+        {% if planes %}
+        moment = select(moment, vec3u(0u), next != cell) + select(vec3u(0u), vec3u(round(share * held.within)), used);
+        {% endif %}
         cell = next;
         i++;
         if i >= steps { break; }
     }
-    if cell != NOWHERE { add_shares(cell, sum); }
+    if cell != NOWHERE { scatter(cell, sum, moment); }
 }

@@ -10,44 +10,56 @@ fn passing(point: vec3f, towards: vec3f, distance: f32, node_size: f32, base: u3
     let signed = select(select(towards.z, towards.y, is_y), towards.x, is_x);
     let longest = max(abs(signed), 1e-6);
     let sense = select(-1.0, 1.0, signed > 0.0);
-    let size = sizes * ({{ 1 / 255 }} / longest);
-    let last = distance * longest - max({{ left_out }}, 0.5 * node_size) - 0.25;
+    let step = sizes * ({{ short }} / longest); // cells of a level that a step goes along each axis
+    let upwards = towards > vec3f(0.0);
+    let whole = distance * longest;
+    let last = whole - max({{ left_out }}, 0.5 * node_size) - 0.25;
     var passed = select(0.0, 1.0, distance > 0.0);
-    var travelled = 0.5;
+    var travelled = 1.0;
     var width = 1.0;
     {% if windows > 1 %}
     var level = base;
-    let per_step = longest / select(vec3f(1e-6), towards, sizes > vec3f(1e-6)); // cells travelled to go one along each axis
+    let per_step = {{ 1 / short }} * longest / select(vec3f(1e-6), towards, sizes > vec3f(1e-6)); // cells travelled to go one along each axis
     {% endif %}
     var bits = {{ bits }}u; // of a coordinate
     var first = {{ "%du * base"|format(n**3) if windows > 1 else "%du"|format(shares_first) }};
     loop {
-        travelled -= width * fract((along + sense * travelled) / width); // back to a face of this level
+        // How far the steps of this level end in their layers: a layer counts that begins before the last.
+        let into = fract((along + sense * travelled) / width);
+        let end = last + width * select(1.0 - into, into, sense > 0.0);
         {% if windows > 1 %}
-        // Steps whose middle lies beyond the window belong to the next level.
+        // Steps that end beyond the window belong to the next level.
         let origin = origin_of(level);
-        let bound = width * vec3f(select(origin, origin + {{ n }}, towards > vec3f(0.0)));
+        let bound = width * vec3f(select(origin, origin + {{ n }}, upwards));
         let room = select(vec3f(1e9), (bound - point) * per_step, sizes > vec3f(1e-6));
-        let leaves = select(min(room.x, min(room.y, room.z)) - 0.5 * width, 1e9, level >= {{ windows - 1 }}u);
-        let stop = min(last, leaves);
-        let limit = min(stop, {{ 2 * cone_length }} * width * longest);
+        let leaves = select(min(room.x, min(room.y, room.z)), 1e9, level >= {{ windows - 1 }}u);
+        let stop = min(end, leaves);
         {% else %}
-        let limit = min(last, {{ 2 * cone_length }} * width * longest);
+        let origin = vec3i(0);
+        let stop = end;
         {% endif %}
-        let from_point = point * (1.0 / width);
+        let limit = min(stop, {{ 2 * cone_length }} * width * longest);
+        let begin = point * (1.0 / width) - vec3f(origin);
         let ahead = towards * ({{ short }} / (width * longest));
         loop {
-            {% if windows > 1 %}
             let inside = travelled < stop;
-            let cell = vec3u(clamp(vec3i(floor(from_point + ahead * (travelled + 0.5 * width))) - origin, vec3i(0), vec3i((1 << bits) - 1)));
-            {% else %}
-            let inside = travelled < last;
-            let cell = vec3u(from_point + ahead * (travelled + 0.5 * width));
-            {% endif %}
-            let shares = geometry[first + (cell.x | (cell.y << bits) | (cell.z << (2u * bits)))];
-            let blocked = dot(vec3f(vec3u(shares, shares >> 8u, shares >> 16u) & vec3u(255u)), size);
-            passed *= 1.0 - select(0.0, min(blocked, 1.0), inside);
-            travelled += {{ "select(0.0, width, inside)" if windows > 1 else "width" }};
+            let at = begin + ahead * travelled;
+            let cell = vec3u(clamp(vec3i(floor(at)), vec3i(0), vec3i((1 << bits) - 1)));
+            let word = geometry[first + (cell.x | (cell.y << bits) | (cell.z << (2u * bits)))];
+            let axes = vec3u(word, word >> 10u, word >> 20u);
+            let share = vec3f(axes & vec3u(31u)) * {{ 1 / 31 }};
+            let plane = (vec3f((axes >> vec3u(5u)) & vec3u(31u)) + 0.5) * {{ 1 / 32 }};
+            // Which planes are crossed, each by one step: from where the last step ended, or the cell began, to where this one
+            // does, or the cell, if the way goes on beyond. Counted along the way.
+            let reach = step * min(1.0, (whole - travelled) / width);
+            let within = select(1.0 - fract(at), fract(at), upwards);
+            let ahead_by = select(1.0 - plane, plane, upwards);
+            let from_here = select(vec3f(0.0), within - step, within > step);
+            let to_here = select(within, vec3f(1.0), within + reach >= vec3f(1.0));
+            let crossed = (ahead_by > from_here) & (ahead_by <= to_here);
+            let through = vec3f(1.0) - select(vec3f(0.0), share, crossed & vec3<bool>(inside));
+            passed *= through.x * through.y * through.z;
+            travelled += select(0.0, width, inside);
             continuing { break if travelled >= limit || passed <= {{ opaque }}; }
         }
         first += 1u << (3u * bits);
@@ -58,7 +70,7 @@ fn passing(point: vec3f, towards: vec3f, distance: f32, node_size: f32, base: u3
         bits -= 1u;
         {% endif %}
         width *= 2.0;
-        continuing { break if travelled >= last || passed <= {{ opaque }}; }
+        continuing { break if travelled >= end || passed <= {{ opaque }}; }
     }
     return passed;
 }

@@ -40,7 +40,10 @@ class OctreeLpv(Technique):
         factor = 1.0 if s.combine == "sum" else 0.125
         self.downsampling = Downsampling(device, self.levels, per_cell=3, factor=factor)
         self._grid_buffer = device.uniform("LPV grid", GRID.array(1))
-        self.geometry = GeometryVolume(device, self.levels, s.camera_surfels) if s.occlusion else None
+        gathers = s.propagation == "gather"
+        self.geometry = (
+            GeometryVolume(device, self.levels, s.camera_surfels, planes=gathers) if s.occlusion else None
+        )
         self._blocker_grid_buffer = device.uniform("LPV grid", GRID.array(1))
         self.stepping: Stepping | SparseStepping
         if s.propagation == "gather":

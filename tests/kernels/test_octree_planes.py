@@ -1,0 +1,97 @@
+"""Planes of the geometry volume on the device (surfel, surfels_merge, coarser_planes, pack_shares .wgsl)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from gpu_tools import one_stage, read_buffer
+from test_octree_geometry import GRID, LEVELS, N, cell_numbers, inject, random_surfels, run, too_many
+
+from octolux.simulator.lpv import geometry as reference
+from octolux.techniques.lpv.geometry import GeometryVolume, fixed_point_wall
+
+
+def planes_of(device, made: GeometryVolume) -> list[reference.Planes]:
+    """What the last run has left, where it lies too."""
+    shares, offsets = (
+        LEVELS.split(read_buffer(device, b).reshape(-1, 4)[:, :3].astype(np.float64))
+        for b in (made.shares, made.offsets)
+    )  # fmt: skip
+    return [reference.Planes(*level) for level in zip(shares, offsets, strict=True)]
+
+
+@pytest.fixture(scope="module")
+def with_planes(device):
+    return GeometryVolume(device, LEVELS, camera=False)
+
+
+@pytest.mark.parametrize("lights", [1, 2, 6])
+def test_planes_lie_where_the_surfels_do(device, with_planes, lights):
+    """In those of the light that has the most, also where more lights are than have sums of their own. A mean errs by a
+    step of fixed point for each surfel, over its shares; by what small components of normals err in float32, 1e-6 of a
+    wall; and by 1e-5 for places. Which light has the most is decided by rounding where two have nearly as much."""
+    rng = np.random.default_rng(7)
+    groups = [random_surfels(rng, 9000, 0.05) for _ in range(lights)]
+    run(device, with_planes, groups)
+    found, volumes = planes_of(device, with_planes), [inject(g) for g in groups]
+    merged = reference.merge_planes(volumes)
+    one = fixed_point_wall(9000, True)
+    bounds = []
+    for g, v in zip(groups, volumes, strict=True):
+        count = np.bincount(cell_numbers(g), minlength=N**3).reshape(N, N, N).T[..., None]
+        bounds.append(count * (1.0 / one + 1e-6) / np.maximum(v.shares, 1e-9) + 1e-5)
+    near = [
+        (v.shares > merged.shares - 1e-4) & (np.abs(found[0].offsets - v.offsets) <= b)
+        for v, b in zip(volumes, bounds, strict=True)
+    ]  # fmt: skip
+    filled = merged.shares > 1e-3
+    assert np.any(near, axis=0)[filled].all() and filled.mean() > 0.3
+    assert np.mean(np.abs(found[0].offsets - merged.offsets)[filled] < 1e-3) > 0.999
+
+
+def test_coarser_planes(device, with_planes):
+    """From the finest as the device has it. Sums of eight in float32."""
+    run(device, with_planes, [random_surfels(np.random.default_rng(8), 3000, 0.1)])
+    found = planes_of(device, with_planes)
+    for f, e in zip(found, reference.plane_levels(found[0]), strict=True):
+        np.testing.assert_allclose(f.shares, e.shares, rtol=1e-5)
+        np.testing.assert_allclose(f.offsets[e.shares > 0.0], e.offsets[e.shares > 0.0], rtol=1e-5)
+
+
+def test_planes_have_the_same_bits_in_any_order(device, with_planes):
+    """Of the surfels in their buffer, and of frames before."""
+    rng = np.random.default_rng(9)
+    surfels, seen = random_surfels(rng, 20001, 0.1), []
+    for order in (np.arange(20001), rng.permutation(20001), np.argsort(cell_numbers(surfels), kind="stable")):
+        run(device, with_planes, [surfels[order]], width=int(rng.integers(1, 900)))
+        seen.append([(p.shares, np.where(p.shares > 0.0, p.offsets, 0.0)) for p in planes_of(device, with_planes)])
+        run(device, with_planes, [random_surfels(rng, 9000, 0.3) for _ in range(3)])
+    for first, *others in zip(*seen, strict=True):
+        assert all(np.array_equal(a, b) for other in others for a, b in zip(first, other, strict=True))
+    assert len(np.unique(seen[0][0][1])) > 1000
+
+
+@pytest.mark.parametrize("area", [1e3, 1e-6])
+def test_the_plane_of_very_many(device, with_planes, area):
+    """It is their mean, of large ones, whose sums go beyond 32 bits, and of a wall of small ones alike. A share of the
+    small ones is 16 steps of fixed point for 10^-6 m^2 in a cell of 1/16, so that it and the place err by 1/32 a step:
+    by 1/32 of each at most."""
+    vpls = too_many(area)
+    run(device, with_planes, [vpls])
+    found, expected = planes_of(device, with_planes)[0], inject(vpls)
+    steps = min(1.0, area / GRID.cell_size**2) * fixed_point_wall(len(vpls), True)
+    np.testing.assert_allclose(found.shares[5, 5, 5, 2], expected.shares[5, 5, 5, 2], rtol=0.5 / steps + 1e-5)
+    np.testing.assert_allclose(found.offsets[5, 5, 5, 2], 0.6 - reference.BEHIND, atol=1.0 / steps + 1e-5)
+
+
+def test_packed_planes(device, with_planes):
+    """Shares to the nearest of 31 steps, planes in the one of 32 that they lie in; float32 may choose the next."""
+    run(device, with_planes, [random_surfels(np.random.default_rng(5), 5000, 0.1)])
+    with one_stage(device) as stage:
+        with_planes.pack(stage)
+    words = read_buffer(device, with_planes.packed, np.uint32)[: LEVELS.cells]
+    for found, planes in zip(LEVELS.split(words), planes_of(device, with_planes), strict=True):
+        assert np.mean(found == reference.pack_planes(planes)) > 0.999
+        unpacked = reference.unpack_planes(found)
+        assert np.abs(unpacked.shares - planes.shares).max() <= 1 / 62 + 1e-6
+        assert np.abs(unpacked.offsets - planes.offsets)[planes.shares > 0.0].max() <= 1 / 64 + 1e-6
