@@ -55,6 +55,13 @@ def parallel_squares(side: float, distance: float) -> float:
     return float(2.0 / (pi * x * x) * (logarithm + 2.0 * x * root * np.arctan(x / root) - 2.0 * x * np.arctan(x)))
 
 
+def squares_with_a_common_edge() -> float:
+    """Form factor between two perpendicular squares that share an edge (Howell, catalogue C-14, with W = H = 1)."""
+    diagonal = np.sqrt(2.0)
+    arcs = 2.0 * np.arctan(1.0) - diagonal * np.arctan(1.0 / diagonal)
+    return float((arcs + 0.25 * np.log(0.75)) / np.pi)
+
+
 def parallel_plates_irradiance(emitted: float, albedo: float, form_factor: float) -> tuple[float, float]:
     """Mean irradiance on a passive and on an emitting plate that face each other, all bounces.
 

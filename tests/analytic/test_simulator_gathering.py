@@ -19,7 +19,11 @@ import numpy as np
 import pytest
 
 from octolux.simulator import sh
-from octolux.simulator.form_factors import irradiance_from_parallel_square, point_to_parallel_square
+from octolux.simulator.form_factors import (
+    irradiance_from_parallel_square,
+    point_to_parallel_square,
+    squares_with_a_common_edge,
+)
 from octolux.simulator.lpv import gathering, geometry
 from octolux.simulator.lpv.transfer import DIRECTIONS
 
@@ -161,8 +165,9 @@ def test_the_inverse_square():
     distances = np.arange(1, 8)
     cells = np.array([[8, 8, 8 + z] for z in distances])
     levels = gathering.light_nodes(one_light(sh.cosine_lobe([0.0, 0.0, 1.0]) / pi))
+    last = len(levels) - 1
     size = np.array([2.0 ** next(
-        level.level for level in levels if gathering.takes(cell, level.cell[0], level.level, level.level == len(levels) - 1)
+        level.level for level in levels if gathering.takes(cell, level.cell[0], level.level, level.level == last)
     ) for cell in cells])  # fmt: skip
     found = gathering.gather(cells, levels, H)[:, DOWN, 0]
     np.testing.assert_allclose(found, 1.0 / pi / ((distances + 0.5) ** 2 + size**2 / 3.0) / H**2, rtol=1e-12)
@@ -201,3 +206,24 @@ def test_an_even_cube_is_even_in_all_directions():
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     read = gathering.read_cube(np.full((50, 6, 3), 1.5), normals)
     np.testing.assert_allclose(read, 1.5, rtol=1e-12)  # squares of a unit vector's components add up to 1
+
+
+def test_what_a_cell_receives_of_its_own_surfaces():
+    """Of a floor that fills a cell's lower side, the faces of walls beside it receive the form factor of two squares
+    with a common edge; the floor itself nothing, nor what looks away from it."""
+    levels = gathering.light_nodes(one_light(sh.cosine_lobe([0.0, 0.0, 1.0]) / pi))
+    cell = levels[0].cell
+    found = gathering.gather(cell, levels, 1.0)[0, :, 0]
+    np.testing.assert_allclose(found, [squares_with_a_common_edge()] * 4 + [0.0, 0.0], rtol=1e-12)
+
+
+def test_the_form_factor_of_squares_with_a_common_edge():
+    """Against the double integral over both squares, by midpoints. Squares beside the edge are as many as there are along
+    it and their integrand is as the inverse square: the error falls with the step, and halves with it."""
+    errors = []
+    for steps in (20, 40):
+        u = (np.arange(steps) + 0.5) / steps
+        x, y, a, b = np.meshgrid(u, u, u, u, indexing="ij", sparse=True)  # (x, y, 0) and (a, 0, b)
+        square = (x - a) ** 2 + y**2 + b**2
+        errors.append(np.mean(y * b / (pi * square**2)) - squares_with_a_common_edge())
+    assert 0.4 < errors[1] / errors[0] < 0.6 and abs(2.0 * errors[1] - errors[0]) < 0.002

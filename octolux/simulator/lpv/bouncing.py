@@ -20,6 +20,7 @@ import numpy as np
 from octolux.simulator import sh
 from octolux.simulator.lpv.cascades import Window, nested_levels
 from octolux.simulator.lpv.gathering import gather, light_nodes
+from octolux.simulator.lpv.geometry import Planes
 from octolux.simulator.lpv.transfer import DIRECTIONS
 
 
@@ -54,7 +55,7 @@ def _linear(reflectors: np.ndarray) -> np.ndarray:
 
 
 def irradiance(
-    light: np.ndarray, reflectors: np.ndarray, count: int, geometry: Sequence[np.ndarray] | None = None
+    light: np.ndarray, reflectors: np.ndarray, count: int, geometry: Sequence[Planes] | None = None
 ) -> np.ndarray:
     """Irradiance times the square of the cell size [z][y][x][6][3] of `count` bounces together in a whole volume of
     `light` [z][y][x][rgb][4] (W/sr), at the cells that have reflectors; 0 elsewhere. geometry: as in `gather`."""

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from octolux.simulator import sh as harmonics
+from octolux.simulator.form_factors import squares_with_a_common_edge
 from octolux.simulator.lpv.geometry import Planes, cone_transmittance
 from octolux.simulator.lpv.octree import build_levels
 from octolux.simulator.lpv.transfer import DIRECTIONS
@@ -28,6 +29,10 @@ SPREAD = 1.0 / 3.0
 """E = I / (r^2 + SPREAD s^2) of a node of size s: a lit square of side s straight ahead gives
 I / r^2 * (1 - s^2 / (3 r^2)) to second order (form_factors.py expanded in s/r), and 1.003 times this expression even at
 r = s."""
+
+
+SIDE = squares_with_a_common_edge()
+"""Share of a surface's flux that arrives on another, as large as a cell's face, that meets it at a right angle."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +80,7 @@ def nodes_of(level: int, cells: np.ndarray, moments: np.ndarray, origin=(0, 0, 0
 def takes(cell: np.ndarray, node: np.ndarray, steps: int, last: bool, whole=True) -> np.ndarray:
     """Whether cells (..., 3) read nodes (..., 3) that are `steps` levels coarser: next to the node's parent, but not to
     it, unless it has no children in its place (`whole` is false); of their own level next to it as well, but for the
-    cell itself, whose light leaves it; and on the last level without a parent."""
+    cell itself (`_from_own_cell`); and on the last level without a parent."""
     near = np.abs(node - (cell >> steps)).max(axis=-1) <= 1
     wide = np.abs((node >> 1) - (cell >> (steps + 1))).max(axis=-1) <= 1
     far = ~(near & whole) if steps else (node != cell).any(axis=-1)
@@ -105,7 +110,22 @@ def gather(
         for number in range(len(level.cell)):
             near = np.nonzero(read[:, number])[0]
             result[near] += _received(cells[near] + 0.5, level, number, base, blockers)
+        if level.level == base:
+            for number, cell in enumerate(level.cell):
+                result[np.all(cells == cell, axis=-1)] += _from_own_cell(level, number)
     return result / cell_size**2
+
+
+def _from_own_cell(nodes: Nodes, number: int) -> np.ndarray:
+    """What the faces of a cell receive of the light of its own surfaces (6, 3), times the square of the cell size.
+
+    A surface across an axis fills one side of the cell, and a face along that axis is beside it, at a right angle: of
+    its flux the form factor of two squares with a common edge arrives. A lobe's flux is that of three such surfaces by
+    the squares of its direction's components, as surfaces read the cube; the rest comes from all three alike.
+    """
+    squares = np.repeat(nodes.direction[number] ** 2, 2, axis=-1).T
+    fraction = nodes.fraction[number]
+    return SIDE * nodes.flux[number] * (fraction * (1.0 - squares) + (1.0 - fraction) * (2.0 / 3.0))
 
 
 def _received(points: np.ndarray, nodes: Nodes, number: int, base: int, blockers: Any) -> np.ndarray:

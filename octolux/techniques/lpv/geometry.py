@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ...frame.frame import Frame
+from ...frame.scene_surfels import SceneSurfels
 from ...frame.structs import VIEW, VPL, views_binding
 from ...gpu.bindings import Binding, storage, storage_rw, texture, uniform
 from ...gpu.device import Device
@@ -110,24 +111,26 @@ class GeometryVolume:
             workgroup=(64, 1, 1), row=ROW, cells=levels.cells,
         )  # fmt: skip
 
-    def run(self, stage: Any, frame: Frame, grids: Any, windows: Any = None) -> None:
-        """From the RSM of each lamp, each merged by maximum (CLPV 3.2), and the G-buffer. grids: uniform buffer of
-        GRID, one for each window; windows: of WINDOW, where there are several."""
+    def run(
+        self, stage: Any, frame: Frame, grids: Any, windows: Any = None, scene: SceneSurfels | None = None
+    ) -> None:
+        """From the RSM of each lamp, each merged by maximum (CLPV 3.2), and the G-buffer; or from the whole `scene`.
+        grids: uniform buffer of GRID, one for each window; windows: of WINDOW, where there are several."""
         stage.encoder.clear_buffer(self.shares, 0, self._cells * 16)  # coarser levels are written over
         volume = {"shares": self.shares, **({"offsets": self.offsets} if self._planes else {})}
-        buffers = list(surfel_buffers(frame, self._camera))
-        one = fixed_point_wall(max((where["count"] for _, where in buffers), default=0), self._planes)
-        for number, (of_camera, where) in enumerate(buffers):
-            surfels = self._surfels_buffer(number, one, where)
+        buffers = list(surfel_buffers(frame, self._camera, scene))
+        one = fixed_point_wall(max((buffer.count for buffer in buffers), default=0), self._planes)
+        for number, buffer in enumerate(buffers):
+            surfels = self._surfels_buffer(number, one, buffer.where)
             common = {"surfels": surfels, "grids": grids, "sums": self._sums}
-            threads = (walks(where["count"], where["width"]), self._layers)
-            if of_camera:
+            threads = (walks(buffer.count, buffer.width), self._layers)
+            if buffer.vpls is None:
                 self._from_gbuffer.run(
                     stage, threads, **common, views=frame.buffers["views"], surface_map=frame.targets.surface,
                     depth_map=frame.targets.depth,
                 )  # fmt: skip
             else:
-                self._from_vpls.run(stage, threads, **common, vpls=frame.vpls)
+                self._from_vpls.run(stage, threads, **common, vpls=buffer.vpls)
             if number % self._at_once == self._at_once - 1 or number == len(buffers) - 1:
                 self._merge.run(stage, (self._cells,), surfels=surfels, sums=self._sums, **volume)
         if self._downsampling:

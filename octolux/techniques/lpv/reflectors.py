@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ...frame.frame import Frame
+from ...frame.scene_surfels import SceneSurfels
 from ...frame.structs import VIEW, VPL, views_binding
 from ...frame.traits import PIXEL_STRUCTS, TRAIT_VALUES, pixel_bindings, pixel_resources
 from ...gpu.bindings import storage, storage_rw, texture, uniform
@@ -20,7 +21,7 @@ from .constants import GRID, grids_binding
 from .geometry import SURFELS
 from .injection import RUN, atomic_words, walks
 from .levels import Levels
-from .surfels import surfel_buffers
+from .surfels import SurfelBuffer, surfel_buffers
 
 _ONE = 1 << 16  # fixed point of shares, as the geometry volume's
 # Of albedo times area. A walk of RUN surfels of MOST_WALLS each stays below 2^32.
@@ -88,40 +89,38 @@ class Reflectors:
             )  # fmt: skip
         return self._merges[key]
 
-    def run(self, stage: Any, frame: Frame, grids: Any) -> None:
-        """From the RSM of each lamp and the G-buffer. Shares are merged by maximum, as each may have seen the same
+    def run(self, stage: Any, frame: Frame, grids: Any, scene: SceneSurfels | None = None) -> None:
+        """From the RSM of each lamp and the G-buffer, or from the whole `scene`. Shares are merged by maximum, as each may have seen the same
         surface (CLPV 3.2); the albedo is the mean of all. grids: uniform buffer of GRID, one for each window."""
-        buffers = list(surfel_buffers(frame, self._camera))
+        buffers = list(surfel_buffers(frame, self._camera, scene))
         stage.encoder.clear_buffer(self._tints)
         if not buffers:
             stage.encoder.clear_buffer(self.reflectors, 0, self._cells * 48)
         for start in range(0, len(buffers), self._at_once):
             group = buffers[start : start + self._at_once]
             stage.encoder.clear_buffer(self._sums, 0, len(group) * self._cells * 24)
-            for number, (of_camera, where) in enumerate(group, start):
-                self._scatter(stage, frame, grids, number, of_camera, where)
+            for number, buffer in enumerate(group, start):
+                self._scatter(stage, frame, grids, number, buffer)
             last = start + len(group) == len(buffers)
             tints = {"tints": self._tints} if last else {}
             merge = self._merging(len(group), start == 0, last)
             merge.run(stage, (self._cells,), sums=self._sums, reflectors=self.reflectors, **tints)
 
-    def _scatter(
-        self, stage: Any, frame: Frame, grids: Any, number: int, of_camera: bool, where: dict[str, int]
-    ) -> None:
-        surfels, threads = self._surfels_buffer(number, where), (walks(where["count"], where["width"]), self._layers)
+    def _scatter(self, stage: Any, frame: Frame, grids: Any, number: int, buffer: SurfelBuffer) -> None:
+        surfels, threads = self._surfels_buffer(number, buffer), (walks(buffer.count, buffer.width), self._layers)
         common = {"surfels": surfels, "grids": grids, "sums": self._sums, "tints": self._tints}
-        if of_camera:
+        if buffer.vpls is None:
             self._from_gbuffer.run(
                 stage, threads, **common, views=frame.buffers["views"], depth_map=frame.targets.depth,
                 **pixel_resources(frame),
             )  # fmt: skip
         else:
-            self._from_vpls.run(stage, threads, **common, vpls=frame.vpls, surfaces=frame.vpl_surfaces)
+            self._from_vpls.run(stage, threads, **common, vpls=buffer.vpls, surfaces=buffer.surfaces)
 
-    def _surfels_buffer(self, number: int, where: dict[str, int]) -> Any:
+    def _surfels_buffer(self, number: int, buffer: SurfelBuffer) -> Any:
         """A uniform buffer for each buffer of a frame: all are written before the first pass runs."""
         if number == len(self._surfels):
             self._surfels.append(self.device.uniform("LPV surfels", SURFELS.array(1)))
         sums = number % self._at_once * self._cells
-        self.device.write(self._surfels[number], SURFELS.pack(sums=sums, one=_ONE, **where))
+        self.device.write(self._surfels[number], SURFELS.pack(sums=sums, one=_ONE, **buffer.where))
         return self._surfels[number]

@@ -1,21 +1,44 @@
-"""Where a frame's surfels lie: the RSM of each lamp, and the G-buffer."""
+"""Where a frame's surfels lie: the RSM of each lamp and the G-buffer, or the scene's own surfaces."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
 
 from ...frame.frame import Frame
+from ...frame.scene_surfels import SceneSurfels
 
 GBUFFER_SAMPLES = 256  # surfels along the longer side of the picture: as many as an RSM has
 
 
-def surfel_buffers(frame: Frame, camera: bool) -> Iterator[tuple[bool, dict[str, int]]]:
-    """Whether it is the camera's, and `first`, `count`, `width` and `block` of SURFELS, for each buffer that is merged
-    by itself (CLPV 3.2). The many coarse maps of the sky and of glowing surfaces are left out: they would cost more
-    than they add."""
+@dataclass(frozen=True, eq=False)
+class SurfelBuffer:
+    """Surfels that are merged by themselves (CLPV 3.2). vpls, surfaces: textures of VPL and of traits, or None for the
+    camera's, which are in the G-buffer. first, count, width, block: of SURFELS."""
+
+    vpls: Any
+    surfaces: Any
+    first: int
+    count: int
+    width: int
+    block: int = 1
+
+    @property
+    def where(self) -> dict[str, int]:
+        return {"first": self.first, "count": self.count, "width": self.width, "block": self.block}
+
+
+def surfel_buffers(frame: Frame, camera: bool, scene: SceneSurfels | None = None) -> Iterator[SurfelBuffer]:
+    """Those of `scene` alone if there is one: all surfaces are in it. Else of each lamp, and the camera's. The many
+    coarse maps of the sky and of glowing surfaces are left out: they would cost more than they add."""
+    if scene is not None:
+        if scene.count:
+            yield SurfelBuffer(scene.surfels, scene.surfaces, 0, scene.count, 1)
+        return
     for (first, count), width in list(zip(frame.vpl_ranges, frame.vpl_widths, strict=True))[: frame.lights.lamps]:
-        yield False, {"first": first, "count": count, "width": width, "block": 1}
+        yield SurfelBuffer(frame.vpls, frame.vpl_surfaces, first, count, width)
     if camera:
         block = max(1, -(-max(frame.pixels) // GBUFFER_SAMPLES))
         width, height = (-(-side // block) for side in frame.pixels)
-        yield True, {"first": 0, "count": width * height, "width": width, "block": block}
+        yield SurfelBuffer(None, None, 0, width * height, width, block)

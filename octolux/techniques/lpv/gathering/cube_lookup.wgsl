@@ -33,5 +33,6 @@ fn main(@builtin(global_invocation_id) pixel: vec3u) {
     {% if windows > 1 %}
     irradiance = mix(read_cube(min(reading.window + 1u, {{ windows - 1 }}u), seen), irradiance, reading.share);
     {% endif %}
-    textureStore(irradiance_out, pixel.xy, vec4f(irradiance * (1.0 / storage_scale(peak[0])), 1.0));
+    let visible = {{ "textureLoad(visibility_map, pixel.xy, 0).x" if visibility else "1.0" }};
+    textureStore(irradiance_out, pixel.xy, vec4f(irradiance * (1.0 / storage_scale(peak[0])), visible));
 }

@@ -161,6 +161,21 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) th
             }
         }
     }
+    // Of the cell's own surfaces what arrives on faces beside them (simulator/lpv/gathering.py, `_from_own_cell`).
+    let own_number = number_of(base, cell);
+    let mine = load_nodes(own_number);
+    {% for channel in range(3) %}
+    {
+        {% set pair = "mine.%s" % ("red_green.xy", "red_green.zw", "blue.xy")[channel] %}
+        let lobe = vec4f(unpack2x16float({{ pair }}.x), unpack2x16float({{ pair }}.y));
+        let size = length(lobe.xyz);
+        let beside = size - lobe.xyz * lobe.xyz / max(size, 1e-20);
+        let arrived = mine.weight * {{ side }} * ({{ pi }} * beside + {{ 8 / 3 * pi }} * lobe.w);
+        {% for face in range(6) %}
+        face_{{ face }}[{{ channel }}] += arrived[{{ face // 2 }}];
+        {% endfor %}
+    }
+    {% endfor %}
     let scale = storage_scale(peak[0]);
     let texel = local + vec3i(0, {{ n }} * i32(base), 0);
     {% for face in range(6) %}

@@ -34,15 +34,15 @@ class Gathering:
     `marks` are 1 (u32, [window][z][y][x]) where a cell is asked for.
 
     everywhere: all cells are filled, not only those that surfaces are looked up in. shares_first: number of the cell in
-    the geometry volume's buffer that level 0 begins with.
+    the geometry volume's buffer that level 0 begins with. visibility: `read` is given a texture of ambient visibility.
     """
 
     def __init__(
         self, device: Device, levels: Levels, *, occlusion: bool, lookup_offset: float, everywhere: bool = False,
-        shares_first: int = 0,
+        shares_first: int = 0, visibility: bool = False,
     ):  # fmt: skip
         self.device, self.levels, self.n = device, levels, levels.sizes[0]
-        self._shares_first = shares_first
+        self._shares_first, self._visibility = shares_first, visibility
         n, cells = self.n, levels.windows * self.n**3
         self._occlusion, self._everywhere = occlusion, everywhere
         self.nodes = record_texture(device, "LPV nodes", NODE, levels.cells)
@@ -81,7 +81,7 @@ class Gathering:
             [records("nodes", NODE), moments, storage("marks", "u32"), storage_rw("filled", "u32"),
              storage("peak", "u32"), windows, *blockers, storage_texture("cube_out", "rgba16float", "3d")],
             structs=[NODE, WINDOW], workgroup=(64, 1, 1), levels=used, candidates=512 + 216 * (used - 1),
-            occlusion=self._occlusion, everywhere=self._everywhere, spread=gathering.SPREAD,
+            occlusion=self._occlusion, everywhere=self._everywhere, spread=gathering.SPREAD, side=gathering.SIDE, pi=pi,
             cone_length=geometry.CONE_LENGTH, left_out=geometry.LEFT_OUT, short=geometry.SHORT, opaque=_OPAQUE,
             bits=n.bit_length() - 1, shares_first=self._shares_first, **values,
         )  # fmt: skip
@@ -104,8 +104,9 @@ class Gathering:
         self._lookup = ComputePass(
             self.device, "lookup", "techniques/lpv/gathering/cube_lookup.wgsl",
             [*seen, storage("peak", "u32"), texture("cube", "float", "3d"), sampler("volume_sampler"),
-             storage_texture("irradiance_out", "rgba32float")],
-            structs=[VIEW, GRID, WINDOW], least=_LEAST, **values,
+             storage_texture("irradiance_out", "rgba32float"),
+             *([texture("visibility_map")] if self._visibility else [])],
+            structs=[VIEW, GRID, WINDOW], least=_LEAST, visibility=self._visibility, **values,
         )  # fmt: skip
 
     def forget(self, stage: Any) -> None:
@@ -143,11 +144,15 @@ class Gathering:
             peak=peak, cube_out=self.cube, windows=windows or self.whole, **blockers,
         )  # fmt: skip
 
-    def read(self, stage: Any, frame: Frame, grids: Any, peak: Any, irradiance: Any, windows: Any = None) -> None:
-        """Write irradiance of every pixel."""
+    def read(
+        self, stage: Any, frame: Frame, grids: Any, peak: Any, irradiance: Any, windows: Any = None,
+        visibility: Any = None,
+    ) -> None:  # fmt: skip
+        """Write irradiance of every pixel, and ambient visibility in alpha: `visibility` (r32float), or 1."""
+        visible = {"visibility_map": visibility} if self._visibility else {}
         self._lookup.run(
             stage, frame.pixels, **self._seen(frame, grids, windows or self.whole), peak=peak, cube=self.cube,
-            volume_sampler=self._sampler, irradiance_out=irradiance,
+            volume_sampler=self._sampler, irradiance_out=irradiance, **visible,
         )  # fmt: skip
 
     @staticmethod
