@@ -90,8 +90,9 @@ class Reflectors:
         return self._merges[key]
 
     def run(self, stage: Any, frame: Frame, grids: Any, scene: SceneSurfels | None = None) -> None:
-        """From the RSM of each lamp and the G-buffer, or from the whole `scene`. Shares are merged by maximum, as each may have seen the same
-        surface (CLPV 3.2); the albedo is the mean of all. grids: uniform buffer of GRID, one for each window."""
+        """From the RSM of each lamp and the G-buffer, or from the whole `scene`. Shares are merged by maximum, as each
+        may have seen the same surface (CLPV 3.2); the albedo is the mean of all. grids: uniform buffer of GRID, one for
+        each window."""
         buffers = list(surfel_buffers(frame, self._camera, scene))
         stage.encoder.clear_buffer(self._tints)
         if not buffers:
