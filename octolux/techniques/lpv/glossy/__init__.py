@@ -1,0 +1,1 @@
+"""Glossy reflections of light in cells: rays marched through nested windows."""
