@@ -6,26 +6,20 @@ from typing import Any
 
 import numpy as np
 
-from ....frame.ambient_occlusion import AmbientOcclusion
 from ....frame.frame import COPY, STORAGE, TEXTURE, Frame
 from ....frame.scene_surfels import SceneSurfels
 from ....gpu.device import Device
-from ....simulator.lpv.cascades import transition
 from ....simulator.lpv.octree import level_sizes
 from ..bouncing.bounces import Bounces
-from ..constants import GRID, grids_binding
 from ..gathering.gathering import Gathering
 from ..geometry import GeometryVolume
 from ..injection import Injection
 from ..levels import Levels
 from ..reflectors import Reflectors
 from ..volume import vpl_sources
-from ..windows import WINDOW, windows_binding
-from .cascades import Cascades
+from .cascades import SAMPLES, Cascades
 from .emitted_light import EmittedLight
 from .settings import CascadedLpvSettings
-
-_SAMPLES = 2  # of a wall, along each edge of a cell of the finest grid
 
 
 class CascadedGathering:
@@ -49,16 +43,8 @@ class CascadedGathering:
         if s.bounces > 1:
             self.reflectors = Reflectors(device, self.levels, 0.5, camera, squares=True)
             self.bounces = Bounces(device, self.levels, s.bounces - 1, occlusion=s.occlusion)
-        self.ambient = self._ambient_occlusion() if s.ambient_occlusion else None
+        self.ambient = cascades.ambient_occlusion() if s.ambient_occlusion else None
         self.irradiance: Any = None
-
-    def _ambient_occlusion(self) -> AmbientOcclusion:
-        n, count = self.settings.n, self.settings.cascades
-        return AmbientOcclusion(
-            self.device, radius_file="techniques/lpv/cascaded/ao_radius.wgsl",
-            bindings=[grids_binding(count), windows_binding(count)], structs=[GRID, WINDOW], n=n, windows=count,
-            transition=transition(n),
-        )  # fmt: skip
 
     def prepare(self, frame: Frame) -> None:
         if self.irradiance is None or self.irradiance.size[:2] != frame.pixels:
@@ -73,7 +59,7 @@ class CascadedGathering:
             self.injection.run(stage, grids_buffer, frame.vpls, sources, frame.vpl_surfaces)
             self.emitted.run(stage, frame, self.injection)
         if self.scene_surfels:
-            self.scene_surfels.run(frame, np.array(grids[-1].origin), grids[0].cell_size / _SAMPLES)
+            self.scene_surfels.run(frame, np.array(grids[-1].origin), grids[0].cell_size / SAMPLES)
         if self.geometry:
             with profiler.stage("geometry volume") as stage:
                 self.geometry.run(stage, frame, grids_buffer, windows, self.scene_surfels)
