@@ -20,8 +20,9 @@ from octolux.simulator.lpv import cascades, glossy
 from octolux.simulator.lpv.glossy import Surfaces
 from octolux.simulator.lpv.octree import level_sizes
 from octolux.techniques.lpv.constants import pack_grids, storage_scale
-from octolux.techniques.lpv.glossy.glossy import Glossy
+from octolux.techniques.lpv.glossy.glossy import Glossy, PaperGlossy
 from octolux.techniques.lpv.levels import Levels
+from octolux.techniques.lpv.lookup import Lookup
 from octolux.techniques.lpv.windows import pack_windows
 
 COUNT = 2
@@ -121,8 +122,7 @@ def scene() -> SimpleNamespace:
 
 def run(device, made: Glossy, what: SimpleNamespace) -> np.ndarray:
     """What the device writes for the G-buffer's pixels: float64 (height, width, 3)."""
-    frame = seen(device).frame
-    grids, windows = device.uniform("grids", pack_grids(GRIDS)), device.uniform("windows", pack_windows(WINDOWS))
+    frame, (grids, windows) = seen(device).frame, places(device)
     injected = device.buffer("injected", what.injected)
     peak = device.buffer("peak", np.array([what.injected[..., 0].max()], np.float32))
     reflectors, words = device.buffer("reflectors", what.reflectors), device.buffer("packed", what.words)
@@ -130,6 +130,15 @@ def run(device, made: Glossy, what: SimpleNamespace) -> np.ndarray:
     with one_stage(device) as stage:
         made.update(stage, injected, peak, reflectors, windows)
         made.run(stage, frame, grids, peak, words, windows)
+    return read(device, made)
+
+
+def places(device) -> tuple:
+    """Uniform buffers of grids and windows."""
+    return device.uniform("grids", pack_grids(GRIDS)), device.uniform("windows", pack_windows(WINDOWS))
+
+
+def read(device, made) -> np.ndarray:
     return device.read_texture(made.specular, np.float32, 4)[..., :3].astype(np.float64)
 
 
@@ -203,10 +212,10 @@ def test_light_without_areas(device):
     made = Glossy(device, LEVELS)
     run(device, made, what)
     layout = {"bytes_per_row": N * 8, "rows_per_image": N * len(SIZES)}
-    data = device.queue.read_texture({"texture": made._volumes["radiance"]}, layout, made._volumes["radiance"].size)
+    data = device.queue.read_texture({"texture": made.volumes["radiance"]}, layout, made.volumes["radiance"].size)
     cells = np.frombuffer(data, np.float16).reshape(N, len(SIZES), N, N, 4).astype(np.float64)
     data = device.queue.read_texture(
-        {"texture": made._volumes["facing"]}, {**layout, "bytes_per_row": N * 4}, made._volumes["facing"].size
+        {"texture": made.volumes["facing"]}, {**layout, "bytes_per_row": N * 4}, made.volumes["facing"].size
     )
     facing = np.frombuffer(data, np.uint8).reshape(8, N, len(SIZES), N, N, 4) / 255.0
     for i, own in enumerate(LEVELS.split(light)[: len(SIZES)]):
@@ -224,7 +233,17 @@ def test_light_without_areas(device):
 def test_the_papers_mean(device, cells):
     """Light that varies slowly, from all sides and none more than another: trilinear weights of texture units."""
     s, what = seen(device), scene()
-    found = run(device, Glossy(device, LEVELS, cells=cells, paper=True), what)[s.inside] / lobe_albedo(s)[s.inside]
+    own = what.injected[: COUNT * N**3]
+    scaled = own * storage_scale(own[..., 0].max())
+    lookup = Lookup(device, N, reading="paper", damping=False, lookup_offset=0.5, windows=COUNT)
+    made = PaperGlossy(device, LEVELS, lookup_offset=0.5, cells=cells)
+    made.prepare(s.frame)
+    with one_stage(device) as stage:
+        lookup.write_volumes(stage, device.buffer("light", scaled.astype(np.float32)))
+        peak = device.buffer("peak", np.array([own[..., 0].max()], np.float32))
+        grids, windows = places(device)
+        made.run(stage, s.frame, grids, peak, lookup.volumes, windows)
+    found = read(device, made)[s.inside] / lobe_albedo(s)[s.inside]
     base, start = starts(s)
     at = s.inside
     towards = glossy.reflected_direction(s.to_eye[at], s.normals[at], s.geometric[at], s.material.roughness[at])

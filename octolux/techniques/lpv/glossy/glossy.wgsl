@@ -4,7 +4,7 @@
 {{ use("techniques/lpv/storage_scale.wgsl") }}
 {{ use("techniques/lpv/glossy/reflection.wgsl") }}
 {{ use("techniques/lpv/place.wgsl") }}
-{{ use("techniques/lpv/glossy/%s.wgsl" % ("paper" if paper else "march")) }}
+{{ use("techniques/lpv/glossy/%s.wgsl" % march) }}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {

@@ -27,20 +27,20 @@ fn step_of(point: vec3f, towards: vec3f, level: u32, middle: f32, cone: f32) -> 
     return Step(at, held && !up, up);
 }
 
-fn texel_at(level: u32, place: vec3f) -> vec3f {
+fn texel_of(level: u32, place: vec3f) -> vec3f {
     return clamp(place, vec3f(0.5), vec3f(f32(edge_of(level)) - 0.5)) + vec3f(0.0, f32(level * {{ n }}u), 0.0);
 }
 
 // The mean of the surfaces around a place, in cells from the level's first.
 fn radiance_at(level: u32, place: vec3f) -> vec3f {
-    let at = texel_at(level, place) * vec3f({{ 1 / n }}, {{ 1 / (n * used) }}, {{ 1 / n }});
+    let at = texel_of(level, place) * vec3f({{ 1 / n }}, {{ 1 / (n * used) }}, {{ 1 / n }});
     let light = textureSampleLevel(radiance_volume, volume_sampler, at, 0.0);
     return light.rgb / max(light.a, 1e-6);
 }
 
 // Areas that face directions of an octant.
 fn facing_at(level: u32, octant: f32, place: vec3f) -> vec3f {
-    let at = texel_at(level, place) + vec3f(0.0, 0.0, {{ n }}.0 * octant);
+    let at = texel_of(level, place) + vec3f(0.0, 0.0, {{ n }}.0 * octant);
     return textureSampleLevel(facing_volume, volume_sampler, at * vec3f({{ 1 / n }}, {{ 1 / (n * used) }}, {{ 1 / (8 * n) }}), 0.0).xyz;
 }
 

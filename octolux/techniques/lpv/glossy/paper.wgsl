@@ -1,6 +1,7 @@
 // CLPV 7 by the letter: the mean of I(-r) over the square of the distance in a few cells along the direction
 // (simulator/lpv/glossy.py, `paper_light`), times the square of level 0's cell size.
 {{ use("shaders/sh.wgsl") }}
+{{ use("techniques/lpv/texel.wgsl") }}
 
 fn incident(point: vec3f, towards: vec3f, base: u32, cone: f32, wanted: bool) -> vec3f {
     let width = f32(1u << base);
@@ -14,12 +15,10 @@ fn incident(point: vec3f, towards: vec3f, base: u32, cone: f32, wanted: bool) ->
     {% endif %}
     var sum = vec3f(0.0);
     for (var k = 1u; k <= {{ cells }}u; k++) {
-        let place = point / width - origin + f32(k) * towards;
-        let texel = clamp(place, vec3f(0.5), vec3f({{ n - 0.5 }})) + vec3f(0.0, f32(base * {{ n }}u), 0.0);
-        let at = texel * vec3f({{ 1 / n }}, {{ 1 / (n * windows) }}, {{ 1 / n }});
+        let at = texel_at(base, point / width - origin + f32(k) * towards);
         let found = vec3f(
             {% for channel in ("red", "green", "blue") %}
-            max(0.0, sh_evaluate(textureSampleLevel({{ channel }}_volume, volume_sampler, at, 0.0), -towards)),
+            max(0.0, sh_evaluate(textureSampleLevel({{ channel }}, volume_sampler, at, 0.0), -towards)),
             {% endfor %}
         );
         sum += found * (1.0 / f32(k * k));
