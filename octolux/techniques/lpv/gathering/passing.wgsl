@@ -1,3 +1,5 @@
+{{ use("techniques/lpv/gathering/planes.wgsl") }}
+
 // Share of light that passes from a node to a point in a cell's middle, unit vector `towards` and `distance` away, in cells
 // of level `base` (simulator/lpv/geometry.py, `cone_transmittance`): the march goes on to the next level when it has
 // doubled its length, and so never reaches the coarsest, or where it leaves a level's window. `travelled` counts cells
@@ -46,18 +48,8 @@ fn passing(point: vec3f, towards: vec3f, distance: f32, node_size: f32, base: u3
             let at = begin + ahead * travelled;
             let cell = vec3u(clamp(vec3i(floor(at)), vec3i(0), vec3i((1 << bits) - 1)));
             let word = geometry[first + (cell.x | (cell.y << bits) | (cell.z << (2u * bits)))];
-            let axes = vec3u(word, word >> 10u, word >> 20u);
-            let share = vec3f(axes & vec3u(31u)) * {{ 1 / 31 }};
-            let plane = (vec3f((axes >> vec3u(5u)) & vec3u(31u)) + 0.5) * {{ 1 / 32 }};
-            // Which planes are crossed, each by one step: from where the last step ended, or the cell began, to where this one
-            // does, or the cell, if the way goes on beyond. Counted along the way.
             let reach = step * min(1.0, (whole - travelled) / width);
-            let within = select(1.0 - fract(at), fract(at), upwards);
-            let ahead_by = select(1.0 - plane, plane, upwards);
-            let from_here = select(vec3f(0.0), within - step, within > step);
-            let to_here = select(within, vec3f(1.0), within + reach >= vec3f(1.0));
-            let crossed = (ahead_by > from_here) & (ahead_by <= to_here);
-            let through = vec3f(1.0) - select(vec3f(0.0), share, crossed & vec3<bool>(inside));
+            let through = select(vec3f(1.0), through_planes(word, at, upwards, step, reach), vec3<bool>(inside));
             passed *= through.x * through.y * through.z;
             travelled += select(0.0, width, inside);
             continuing { break if travelled >= limit || passed <= {{ opaque }}; }
