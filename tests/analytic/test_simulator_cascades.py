@@ -176,3 +176,18 @@ def test_one_window_is_the_octree():
 def test_sizes_that_cannot_be(arguments):
     with pytest.raises(ValueError):
         cascades.place_windows(*arguments, VOLUME, [0, 0, 0], [1, 0, 0])
+
+
+def test_a_volume_that_moves_with_the_camera():
+    """As long as asked for, the camera in it and most of it ahead; it moves by a quarter of its edge, whole cells of the
+    level of four along each side, and not at all in between."""
+    forward, seen = np.array([0.0, 0.0, -1.0]), set()
+    for z in np.linspace(0.0, -30.0, 300):
+        grid = cascades.moving_volume(20.0, 32, [3.0, 1.0, z], forward)
+        assert grid.n * grid.cell_size == pytest.approx(20.0) and grid.inside([3.0, 1.0, z])
+        assert z - grid.origin[2] > 8.0
+        np.testing.assert_allclose(np.array(grid.origin) / 5.0, np.rint(np.array(grid.origin) / 5.0), atol=1e-9)
+        seen.add(grid.origin)
+    assert len(seen) == 7
+    with pytest.raises(ValueError, match="more than 0 m"):
+        cascades.moving_volume(0.0, 32, [0, 0, 0], [1, 0, 0])

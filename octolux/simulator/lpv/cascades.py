@@ -68,6 +68,17 @@ def place_windows(n: int, count: int, volume: Grid, position, forward) -> list[W
     return [*windows, Window((0, 0, 0), 1 << (count - 1), (-np.inf,) * 3, (np.inf,) * 3)]
 
 
+def moving_volume(spacing: float, n: int, position, forward) -> Grid:
+    """A volume of n^3 cells and `spacing` metres along each edge that moves with the camera, instead of one around the
+    scene: before it, as windows are, by whole cells of the level of four along each side, so that all levels above keep
+    what they hold. Raises ValueError for a spacing that is not positive."""
+    if not 0.0 < spacing < np.inf:
+        raise ValueError(f"a volume has an edge of more than 0 m, got {spacing}")
+    middle = np.asarray(position, dtype=np.float64) + (n / 8 - 0.5) * spacing / n * np.asarray(forward)
+    step = spacing / 4
+    return Grid(_triple(step * np.rint((middle - spacing / 2) / step)), spacing / n, n)
+
+
 def _triple(values: np.ndarray) -> tuple[Any, Any, Any]:
     x, y, z = values.tolist()
     return x, y, z

@@ -17,6 +17,7 @@ from ..injection import Injection
 from ..levels import Levels
 from ..reflectors import Reflectors
 from ..volume import vpl_sources
+from .air import AirLight
 from .cascades import SAMPLES, Cascades
 from .emitted_light import EmittedLight
 from .settings import CascadedLpvSettings
@@ -44,6 +45,7 @@ class CascadedGathering:
             self.reflectors = Reflectors(device, self.levels, 0.5, camera, squares=True)
             self.bounces = Bounces(device, self.levels, s.bounces - 1, occlusion=s.occlusion)
         self.ambient = cascades.ambient_occlusion() if s.ambient_occlusion else None
+        self.air: AirLight | None = None  # made when there is fog
         self.irradiance: Any = None
 
     def prepare(self, frame: Frame) -> None:
@@ -74,6 +76,12 @@ class CascadedGathering:
         with profiler.stage("downsampling") as stage:
             self.gathering.forget(stage)
             self.gathering.update(stage, self.injection.injected, windows)
+        if frame.medium:
+            if self.air is None:
+                self.air = AirLight(self.device, self.cascades, self.levels, occlusion=self.settings.occlusion)
+            with profiler.stage("light in the air") as stage:
+                shares = self.geometry.packed if self.geometry else None
+                self.air.run(stage, frame, self.injection.injected, self.injection.peak, shares)
 
     def shade(self, frame: Frame) -> None:
         peak, grids, windows = self.injection.peak, self.cascades.grids_buffer, self.cascades.windows_buffer

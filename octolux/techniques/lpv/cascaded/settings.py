@@ -25,6 +25,11 @@ class CascadedLpvSettings(LpvSettings):
         allowed=(1, 2, 3, 4, 5), cost="memory and steps are proportional; more is finer near the camera",
         source="CLPV 4, 6",
     )  # fmt: skip
+    spacing: float = setting(
+        0.0, meaning="edge of the last grid, which then moves with the camera; 0 is the scene's, and around it",
+        unit="m", allowed=[0.0, 1e6], cost="none; what lies outside of it gives and receives no light",
+        source="CLPV 4, figure 12",
+    )  # fmt: skip
     propagation: str = setting(
         "gather", meaning="how light spreads: straight, each way in cells that suit its length, or by steps in every "
         "cascade alone", unit="", allowed=("gather", "steps"),

@@ -26,7 +26,7 @@ class CascadedLpv(Technique):
     def __init__(self, device: Device, settings: CascadedLpvSettings):
         super().__init__(device, settings)
         self.soft_light = settings.soft_light == "shadow maps"
-        self.cascades = Cascades(device, settings.n, settings.cascades)
+        self.cascades = Cascades(device, settings.n, settings.cascades, settings.spacing)
         way = CascadedGathering if settings.propagation == "gather" else CascadedStepping
         self.way: CascadedGathering | CascadedStepping = way(device, self.cascades, settings)
 
