@@ -179,8 +179,8 @@ def test_sizes_that_cannot_be(arguments):
 
 
 def test_a_volume_that_moves_with_the_camera():
-    """As long as asked for, the camera in it and most of it ahead; it moves by a quarter of its edge, whole cells of the
-    level of four along each side, and not at all in between."""
+    """As long as asked for, the camera in it and most of it ahead; it moves by a quarter of its edge, whole cells of
+    the level of four along each side, and not at all in between."""
     forward, seen = np.array([0.0, 0.0, -1.0]), set()
     for z in np.linspace(0.0, -30.0, 300):
         grid = cascades.moving_volume(20.0, 32, [3.0, 1.0, z], forward)

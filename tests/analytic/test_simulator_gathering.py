@@ -218,8 +218,8 @@ def test_what_a_cell_receives_of_its_own_surfaces():
 
 
 def test_the_form_factor_of_squares_with_a_common_edge():
-    """Against the double integral over both squares, by midpoints. Squares beside the edge are as many as there are along
-    it and their integrand is as the inverse square: the error falls with the step, and halves with it."""
+    """Against the double integral over both squares, by midpoints. Squares beside the edge are as many as there are
+    along it and their integrand is as the inverse square: the error falls with the step, and halves with it."""
     errors = []
     for steps in (20, 40):
         u = (np.arange(steps) + 0.5) / steps
