@@ -147,7 +147,7 @@ def test_no_light_is_created():
     area = rng.uniform(0.0, 1.0, (N, N, N, 6)) * (rng.random((N, N, N, 1)) < 0.2)
     light = sh.cosine_lobe([0.0, 0.0, 1.0]) * (rng.random((N, N, N, 3, 1)) * (area.sum(axis=-1) > 0)[..., None, None])
     made = glossy.surface_light(light, area, H)
-    brightest = (made[0] / np.where(made[1] > 0.0, made[1], 1.0)[..., None]).max(axis=(0, 1, 2))
+    brightest = made[0].max(axis=(0, 1, 2))
     blocked, plane = rng.random((2, N, N, N, 3))
     level = Surfaces(*made, blocked * (area.sum(axis=-1) > 0)[..., None], plane, (0, 0, 0), np.zeros(3), np.full(3, N))
     start, towards = rays(2000, 0.0, N)
@@ -185,6 +185,19 @@ def test_behind_a_surface_that_shows_its_back_it_is_dark():
     found = glossy.march(levels, start[inside], towards[inside], 0.0, 0)
     # What surrounds the start counts as met, less and less in the three steps to the wall at least.
     assert found.radiance.max() == 0.0 and found.left.max() <= MET * NEAR * FORGETS**3 and inside.sum() > 50
+
+
+def test_the_other_side_of_a_thin_wall_does_not_shine_through():
+    """Its surfaces are in the next cell, a hundred times as bright, within reach of the filter."""
+    dark, bright = square(0, 12.3, -1.0), square(0, 12.4, 1.0)
+    radiance = np.repeat([[0.01, 0.01, 0.01], [1.0, 1.0, 1.0]], len(dark[0]), axis=0)
+    levels = surfaces(*(np.concatenate(pair) for pair in zip(dark, bright, strict=True)), radiance)
+    start, towards = rays(300, 4.0, 9.0)
+    towards[:, 0] = np.abs(towards[:, 0])
+    hits = start + towards * ((12.3 - start[:, 0]) / towards[:, 0])[:, None]
+    inside = np.all((hits[:, 1:] > 2.0) & (hits[:, 1:] < N - 2.0), axis=-1)
+    found = glossy.march(levels, start[inside], towards[inside], 0.0, 0)
+    assert found.radiance.max() <= 0.01 * (1.0 + 1e-9) and found.radiance.mean() > 0.0098 and inside.sum() > 50
 
 
 def test_what_leaves_the_volume_sees_nothing():

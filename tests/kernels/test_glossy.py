@@ -211,22 +211,28 @@ def test_light_without_areas(device):
     what = SimpleNamespace(injected=light, reflectors=np.zeros_like(scene().reflectors), words=scene().words)
     made = Glossy(device, LEVELS)
     run(device, made, what)
-    layout = {"bytes_per_row": N * 8, "rows_per_image": N * len(SIZES)}
-    data = device.queue.read_texture({"texture": made.volumes["radiance"]}, layout, made.volumes["radiance"].size)
-    cells = np.frombuffer(data, np.float16).reshape(N, len(SIZES), N, N, 4).astype(np.float64)
-    data = device.queue.read_texture(
-        {"texture": made.volumes["facing"]}, {**layout, "bytes_per_row": N * 4}, made.volumes["facing"].size
-    )
-    facing = np.frombuffer(data, np.uint8).reshape(8, N, len(SIZES), N, N, 4) / 255.0
+    cells = volume(device, made, "radiance", np.float16)
+    facing = volume(device, made, "facing", np.uint8) / 255.0
+    scale = storage_scale(light[..., 0].max())
     for i, own in enumerate(LEVELS.split(light)[: len(SIZES)]):
         n = own.shape[0]
-        radiance, area, covers = glossy.surface_light(own, np.zeros((n, n, n, 6)), 2.0**i)
-        scale = storage_scale(light[..., 0].max())
-        np.testing.assert_allclose(cells[:n, i, :n, :n, :3], scale * radiance, rtol=HALF_FLOAT + 1e-5)
-        np.testing.assert_allclose(cells[:n, i, :n, :n, 3], area)
+        radiance, areas, covers = glossy.surface_light(own, np.zeros((n, n, n, 6)), 2.0**i)
         for octant in range(8):
-            ends = [2 * axis + (octant >> axis & 1) for axis in range(3)]
-            np.testing.assert_allclose(facing[octant, :n, i, :n, :n, :3], covers[..., ends], atol=0.5 * BYTE + 1e-5)
+            seen_ends = [2 * axis + (octant >> axis & 1) for axis in range(3)]
+            area = areas[..., seen_ends].sum(axis=-1)
+            found = cells[octant, :n, i, :n, :n]
+            np.testing.assert_allclose(found[..., 3], area, rtol=HALF_FLOAT, atol=1e-5)
+            np.testing.assert_allclose(found[..., :3], scale * area[..., None] * radiance, rtol=HALF_FLOAT, atol=1e-4)
+            found = facing[octant, :n, i, :n, :n, :3]
+            np.testing.assert_allclose(found, covers[..., seen_ends], atol=0.5 * BYTE + 1e-5)
+
+
+def volume(device, made: Glossy, name: str, kind: type) -> np.ndarray:
+    """float64 [octant][z][level][y][x][4]."""
+    texture = made.volumes[name]
+    layout = {"bytes_per_row": N * 4 * np.dtype(kind).itemsize, "rows_per_image": N * len(SIZES)}
+    data = device.queue.read_texture({"texture": texture}, layout, texture.size)
+    return np.frombuffer(data, kind).reshape(8, N, len(SIZES), N, N, 4).astype(np.float64)
 
 
 @pytest.mark.parametrize("cells", [1, 4])

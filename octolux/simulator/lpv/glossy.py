@@ -62,13 +62,14 @@ LEAST = 1e-3
 
 @dataclass(frozen=True)
 class Surfaces:
-    """The cells of one level [z][y][x]. radiance: (..., 3) times `area`, W/(m^2 sr).  area: in h^2.  facing: (..., 6),
-    what of the cell's cross section is covered towards +x, -x, +y, -y, +z, -z, at most 1.  blocked, plane: (..., 3),
-    the geometry volume's shares along x, y and z, and where they lie in the cell, from 0 to 1.  origin: of the first
-    cell, counted from the volume's corner.  low, high: (3,), where they are read, in cells from the first."""
+    """The cells of one level [z][y][x]. radiance: (..., 3), surfaces' mean by area, W/(m^2 sr).  areas: (..., 6), by
+    the squares of their normals, in h^2, towards +x, -x, +y, -y, +z, -z.  facing: (..., 6), what of the cell's cross
+    section they cover, at most 1.  blocked, plane: (..., 3), the geometry volume's shares along x, y and z, and where
+    they lie in the cell, from 0 to 1.  origin: of the first cell, counted from the volume's corner.  low, high: (3,),
+    where they are read, in cells from the first."""
 
     radiance: np.ndarray
-    area: np.ndarray
+    areas: np.ndarray
     facing: np.ndarray
     blocked: np.ndarray
     plane: np.ndarray
@@ -78,7 +79,7 @@ class Surfaces:
 
 
 def surface_light(light, squares, cell_size: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """`radiance`, `area` and `facing` of `Surfaces`, from `light` [z][y][x][rgb][4], W/sr, and the areas `squares`
+    """`radiance`, `areas` and `facing` of `Surfaces`, from `light` [z][y][x][rgb][4], W/sr, and the areas `squares`
     [z][y][x][6] of what sends it, by the squares of the normals, in those of `cell_size` (m)."""
     light, squares = np.asarray(light, dtype=np.float64), np.array(squares, dtype=np.float64)
     area = squares.sum(axis=-1)
@@ -86,9 +87,9 @@ def surface_light(light, squares, cell_size: float) -> tuple[np.ndarray, np.ndar
     _, fraction, direction = sh.dominant_lobe(light[unknown].sum(axis=-2))
     ends = np.stack([np.maximum(direction, 0.0), np.maximum(-direction, 0.0)], axis=-1).reshape(-1, 6)
     squares[unknown] = fraction[:, None] * ends**2 + (1.0 - fraction[:, None]) / 6.0
-    area = np.where(unknown, 1.0, area)
-    flux = np.where((area > 0.0)[..., None], sh.flux(light), 0.0)
-    return flux / (pi * cell_size**2), area, np.minimum(1.0, np.sqrt(squares * area[..., None]))
+    area = np.where(unknown, 1.0, area)[..., None]
+    radiance = np.where(area > 0.0, sh.flux(light) / (pi * cell_size**2 * np.where(area > 0.0, area, 1.0)), 0.0)
+    return radiance, squares, np.minimum(1.0, np.sqrt(squares * area))
 
 
 def coarser_squares(squares, steps: int) -> np.ndarray:
@@ -146,7 +147,7 @@ def march(
     steps, before, reached, since = np.zeros(count, dtype=int), np.zeros(count), np.zeros(count), np.zeros(count)
     for i in np.unique(level):
         r = np.nonzero(level == i)[0]
-        around = _radiance(levels[i], start[r] / 2.0**i - levels[i].origin)
+        around = _radiance(levels[i], start[r] / 2.0**i - levels[i].origin, way[r])
         ray.front[r] = NEAR * np.concatenate([around, np.ones((len(r), 1))], axis=-1)
     travelled = -((sense * along) % (step * 2.0**level))
     here, up = _where(levels, level, start, way, travelled + 0.5 * step * 2.0**level, cone)
@@ -196,26 +197,36 @@ def _where(levels: Sequence[Surfaces], level, start, way, middle, cone) -> tuple
 
 
 def _cover(ray: _Rays, of: Surfaces, r, place, length, step: float) -> None:
-    facing = _filtered(of.facing, place).reshape(-1, 3, 2)
-    seen = np.where(ray.way[r] > 0.0, facing[..., 1], facing[..., 0])  # going towards +x one sees what faces -x
+    seen = np.take_along_axis(_filtered(of.facing, place), _faces(ray.way[r]), axis=-1)
     covers = np.sum(seen * np.abs(ray.way[r]), axis=-1) * length
-    radiance, share = _radiance(of, place), np.minimum(ray.left[r], covers)
+    radiance, share = _radiance(of, place, ray.way[r]), np.minimum(ray.left[r], covers)
     ray.radiance[r] += share[:, None] * radiance
     ray.left[r] -= share
     met = covers[:, None] * np.concatenate([radiance, np.ones((len(r), 1))], axis=-1)
     ray.front[r] = FORGETS**step * ray.front[r] + met
 
 
-def _radiance(of: Surfaces, place) -> np.ndarray:
-    """(M, 3): the mean of the surfaces around places (M, 3), by their areas; 0 where there are none."""
-    area = _filtered(of.area[..., None], place)
-    return np.where(area > 0.0, _filtered(of.radiance, place) / np.where(area > 0.0, area, 1.0), 0.0)
+def _faces(way) -> np.ndarray:
+    """Numbers (M, 3) of the ends of the axes that rays along `way` (M, 3) see: going towards +x, what faces -x."""
+    return np.array([0, 2, 4]) + (way > 0.0)
+
+
+def _radiance(of: Surfaces, place, way) -> np.ndarray:
+    """(M, 3): the mean of the surfaces around places (M, 3), by the areas that rays see of them; 0 without any. What
+    faces away, as the other side of a thin wall does, is not in it, bright as it may be."""
+    result, faces = np.zeros((len(place), 3)), _faces(way)
+    for seen in np.unique(faces, axis=0):
+        r = np.all(faces == seen, axis=-1)
+        area = of.areas[..., seen].sum(axis=-1, keepdims=True)
+        found = _filtered(np.concatenate([area * of.radiance, area], axis=-1), place[r])
+        result[r] = np.where(found[:, 3:] > 0.0, found[:, :3] / np.where(found[:, 3:] > 0.0, found[:, 3:], 1.0), 0.0)
+    return result
 
 
 def _block(ray: _Rays, of: Surfaces, r, at, back, ahead, met) -> None:
     """Planes between the last step's middle, or where the cell begins, and this one's, or the cell's end if the next
     lies beyond."""
-    x, y, z = np.clip(np.floor(at).astype(int), 0, of.area.shape[0] - 1).T
+    x, y, z = np.clip(np.floor(at).astype(int), 0, of.facing.shape[0] - 1).T
     share, plane = of.blocked[z, y, x], of.plane[z, y, x]
     upwards, rate = ray.way[r] > 0.0, np.abs(ray.way[r])
     within = np.where(upwards, at - np.floor(at), 1.0 - (at - np.floor(at)))

@@ -99,15 +99,15 @@ class Glossy(_Rays):
     ):  # fmt: skip
         n, windows, self._occlusion = levels.sizes[0], levels.windows, occlusion
         self._used = used = windows + sum(size >= _COARSEST for size in levels.sizes[windows:])
-        formats = {"radiance": ("rgba16float", (n, n * used, n)), "facing": ("rgba8unorm", (n, n * used, 8 * n))}
+        formats, size = {"radiance": "rgba16float", "facing": "rgba8unorm"}, (n, n * used, 8 * n)
         self.volumes = {
             name: device.texture("LPV glossy volumes", size, kind, usage=TEXTURE | STORAGE | COPY, dimension="3d")
-            for name, (kind, size) in formats.items()
+            for name, kind in formats.items()
         }
         self._fill = ComputePass(
             device, "surfaces", "techniques/lpv/glossy/surfaces.wgsl",
             [storage("injected", "vec4f"), storage("peak", "u32"), storage("reflectors", "vec4f"),
-             windows_binding(windows), *(storage_texture(f"{k}_out", formats[k][0], "3d") for k in formats)],
+             windows_binding(windows), *(storage_texture(f"{name}_out", kind, "3d") for name, kind in formats.items())],
             structs=[WINDOW], workgroup=(4, 4, 4), n=n, windows=windows, used=used, **CONSTANTS, **SH_CONSTANTS,
         )  # fmt: skip
         read = [texture(f"{name}_volume", "float", "3d") for name in formats]

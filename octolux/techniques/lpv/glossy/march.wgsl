@@ -27,21 +27,16 @@ fn step_of(point: vec3f, towards: vec3f, level: u32, middle: f32, cone: f32) -> 
     return Step(at, held && !up, up);
 }
 
-fn texel_of(level: u32, place: vec3f) -> vec3f {
-    return clamp(place, vec3f(0.5), vec3f(f32(edge_of(level)) - 0.5)) + vec3f(0.0, f32(level * {{ n }}u), 0.0);
+// Where the volumes of an octant are sampled for a place, in cells from the level's first.
+fn texel_of(level: u32, octant: f32, place: vec3f) -> vec3f {
+    let held = clamp(place, vec3f(0.5), vec3f(f32(edge_of(level)) - 0.5));
+    return (held + {{ n }}.0 * vec3f(0.0, f32(level), octant)) * vec3f({{ 1 / n }}, {{ 1 / (n * used) }}, {{ 1 / (8 * n) }});
 }
 
-// The mean of the surfaces around a place, in cells from the level's first.
-fn radiance_at(level: u32, place: vec3f) -> vec3f {
-    let at = texel_of(level, place) * vec3f({{ 1 / n }}, {{ 1 / (n * used) }}, {{ 1 / n }});
-    let light = textureSampleLevel(radiance_volume, volume_sampler, at, 0.0);
+// The mean of the surfaces around there.
+fn radiance_at(texel: vec3f) -> vec3f {
+    let light = textureSampleLevel(radiance_volume, volume_sampler, texel, 0.0);
     return light.rgb / max(light.a, 1e-6);
-}
-
-// Areas that face directions of an octant.
-fn facing_at(level: u32, octant: f32, place: vec3f) -> vec3f {
-    let at = texel_of(level, place) + vec3f(0.0, 0.0, {{ n }}.0 * octant);
-    return textureSampleLevel(facing_volume, volume_sampler, at * vec3f({{ 1 / n }}, {{ 1 / (n * used) }}, {{ 1 / (8 * n) }}), 0.0).xyz;
 }
 
 fn incident(point: vec3f, direction: vec3f, base: u32, cone_of_way: f32, wanted: bool) -> vec3f {
@@ -66,7 +61,7 @@ fn incident(point: vec3f, direction: vec3f, base: u32, cone_of_way: f32, wanted:
     var left = select(0.0, 1.0, wanted);
     var passed = 1.0;
     var since = 0.0;
-    let around = radiance_at(level, (1.0 / f32(1u << level)) * point - vec3f(origin_of(level)));
+    let around = radiance_at(texel_of(level, octant, (1.0 / f32(1u << level)) * point - vec3f(origin_of(level))));
     var front = {{ near }} * vec4f(around, 1.0);
     var sum = vec3f(0.0);
     var steps = 0u;
@@ -77,9 +72,10 @@ fn incident(point: vec3f, direction: vec3f, base: u32, cone_of_way: f32, wanted:
         let end = travelled + width;
         let begin = max(travelled, reached);
         let place = per_cell * (point + towards * (0.5 * (begin + end))) + {{ look_ahead }} * towards - origin;
-        let facing = facing_at(level, octant, place);
+        let texel = texel_of(level, octant, place);
+        let facing = textureSampleLevel(facing_volume, volume_sampler, texel, 0.0).xyz;
         let covers = select(0.0, dot(facing, sizes) * ((end - begin) * per_cell), now.here);
-        let radiance = radiance_at(level, place);
+        let radiance = radiance_at(texel);
         let share = min(left, covers);
         sum += share * radiance;
         left -= share;

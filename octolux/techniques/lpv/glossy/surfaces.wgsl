@@ -1,6 +1,6 @@
-// Surfaces as reflected rays meet them (simulator/lpv/glossy.py, `surface_light`), in volumes that are filtered: their radiance
-// times their area, and that; and their areas towards the ends of the axes that a ray sees which goes along none of three
-// signs, one volume for each octant of directions. Levels lie behind one another in y, octants in z.
+// Surfaces as reflected rays meet them (simulator/lpv/glossy.py, `surface_light`), in volumes that are filtered, for rays in
+// each octant of directions: their radiance times the area that such rays see of them, and that area; and what they cover
+// along the three axes. Levels lie behind one another in y, octants in z.
 {{ use("shaders/sh.wgsl") }}
 {{ use("techniques/lpv/storage_scale.wgsl") }}
 {{ use("techniques/lpv/gathering/levels.wgsl") }}
@@ -48,13 +48,18 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         area = 1.0;
     }
     let size = f32(1u << level);
-    let scale = select(0.0, storage_scale(peak[0]) / (SH_Y0 * {{ pi }} * size * size), area > 0.0);
-    // What they cover of the cell's cross sections.
-    areas = Areas(min(vec3f(1.0), sqrt(area * areas.upper)), min(vec3f(1.0), sqrt(area * areas.lower)));
+    let scale = select(0.0, storage_scale(peak[0]) / (SH_Y0 * {{ pi }} * size * size * area), area > 0.0);
+    let radiance = scale * vec3f(red.x, green.x, blue.x);
+    let covers = Areas(min(vec3f(1.0), sqrt(area * areas.upper)), min(vec3f(1.0), sqrt(area * areas.lower)));
     let texel = at + vec3u(0u, {{ n }}u * level, 0u);
-    textureStore(radiance_out, texel, vec4f(scale * vec3f(red.x, green.x, blue.x), area));
     {% for octant in range(8) %}
-    {% set x, y, z = (("lower", "upper")[octant % 2 == 0], ("lower", "upper")[octant // 2 % 2 == 0], ("lower", "upper")[octant < 4]) %}
-    textureStore(facing_out, texel + vec3u(0u, 0u, {{ octant * n }}u), vec4f(areas.{{ x }}.x, areas.{{ y }}.y, areas.{{ z }}.z, 0.0));
+    {
+        // Rays that go upwards see what faces the lower end.
+        {% set x, y, z = (("upper", "lower")[octant % 2], ("upper", "lower")[octant // 2 % 2], ("upper", "lower")[octant // 4]) %}
+        let seen = areas.{{ x }}.x + areas.{{ y }}.y + areas.{{ z }}.z;
+        let at_octant = texel + vec3u(0u, 0u, {{ octant * n }}u);
+        textureStore(radiance_out, at_octant, vec4f(seen * radiance, seen));
+        textureStore(facing_out, at_octant, vec4f(covers.{{ x }}.x, covers.{{ y }}.y, covers.{{ z }}.z, 0.0));
+    }
     {% endfor %}
 }
