@@ -98,8 +98,9 @@ class Glossy(_Rays):
         step: float = 1.0, resolution: int = 1,
     ):  # fmt: skip
         n, windows, self._occlusion = levels.sizes[0], levels.windows, occlusion
-        self._used = used = windows + sum(size >= _COARSEST for size in levels.sizes[windows:])
-        formats, size = {"radiance": "rgba16float", "facing": "rgba8unorm"}, (n, n * used, 8 * n)
+        used = windows + sum(size >= _COARSEST for size in levels.sizes[windows:])
+        self._slots = slots = windows + (used > windows)
+        formats, size = {"radiance": "rgba16float", "facing": "rgba8unorm"}, (n, n * slots, 8 * n)
         self.volumes = {
             name: device.texture("LPV glossy volumes", size, kind, usage=TEXTURE | STORAGE | COPY, dimension="3d")
             for name, kind in formats.items()
@@ -108,14 +109,15 @@ class Glossy(_Rays):
             device, "surfaces", "techniques/lpv/glossy/surfaces.wgsl",
             [storage("injected", "vec4f"), storage("peak", "u32"), storage("reflectors", "vec4f"),
              windows_binding(windows), *(storage_texture(f"{name}_out", kind, "3d") for name, kind in formats.items())],
-            structs=[WINDOW], workgroup=(4, 4, 4), n=n, windows=windows, used=used, **CONSTANTS, **SH_CONSTANTS,
+            structs=[WINDOW], workgroup=(4, 4, 4), n=n, windows=windows, used=used, slots=slots,
+            **CONSTANTS, **SH_CONSTANTS,
         )  # fmt: skip
         read = [texture(f"{name}_volume", "float", "3d") for name in formats]
         super().__init__(
             device, levels, "march", [*([storage("geometry", "u32")] if occlusion else []), *read], lookup_offset,
-            resolution, used=used, occlusion=occlusion, steps=round((cells or windows * n) / step), step=float(step),
-            forgets=glossy.FORGETS**step, least=glossy.LEAST, left=glossy.LEFT, met=glossy.MET, near=glossy.NEAR,
-            look_ahead=glossy.LOOK_AHEAD, short=SHORT,
+            resolution, used=used, slots=slots, occlusion=occlusion, steps=round((cells or windows * n) / step),
+            step=float(step), forgets=glossy.FORGETS**step, least=glossy.LEAST, left=glossy.LEFT, met=glossy.MET,
+            near=glossy.NEAR, look_ahead=glossy.LOOK_AHEAD, short=SHORT,
         )  # fmt: skip
 
     def update(self, stage: Any, injected: Any, peak: Any, reflectors: Any, windows: Any = None) -> None:
@@ -124,7 +126,7 @@ class Glossy(_Rays):
         reflectors: lpv/reflectors.py's, made with `offset` 0.5 and `squares`, complete in all windows.
         windows: uniform buffer of WINDOW, where there are several."""
         self._fill.run(
-            stage, (self.n, self.n, self.n * self._used), injected=injected, peak=peak, reflectors=reflectors,
+            stage, (self.n, self.n, self.n * self._slots), injected=injected, peak=peak, reflectors=reflectors,
             windows=windows or self._whole, **{f"{name}_out": volume for name, volume in self.volumes.items()},
         )  # fmt: skip
 

@@ -27,10 +27,13 @@ fn step_of(point: vec3f, towards: vec3f, level: u32, middle: f32, cone: f32) -> 
     return Step(at, held && !up, up);
 }
 
-// Where the volumes of an octant are sampled for a place, in cells from the level's first.
+// Where the volumes of an octant are sampled for a place, in cells from the level's first (surfaces.wgsl).
 fn texel_of(level: u32, octant: f32, place: vec3f) -> vec3f {
-    let held = clamp(place, vec3f(0.5), vec3f(f32(edge_of(level)) - 0.5));
-    return (held + {{ n }}.0 * vec3f(0.0, f32(level), octant)) * vec3f({{ 1 / n }}, {{ 1 / (n * used) }}, {{ 1 / (8 * n) }});
+    let edge = f32(edge_of(level));
+    let held = clamp(place, vec3f(0.5), vec3f(edge - 0.5));
+    let aside = select(0.0, {{ n }}.0 - 2.0 * edge, level >= WINDOWS);
+    let slot = {{ n }}.0 * vec3f(0.0, f32(min(level, WINDOWS)), octant);
+    return (held + vec3f(aside, 0.0, 0.0) + slot) * vec3f({{ 1 / n }}, {{ 1 / (n * slots) }}, {{ 1 / (8 * n) }});
 }
 
 // The mean of the surfaces around there.

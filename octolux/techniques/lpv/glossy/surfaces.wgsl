@@ -1,6 +1,7 @@
 // Surfaces as reflected rays meet them (simulator/lpv/glossy.py, `surface_light`), in volumes that are filtered, for rays in
 // each octant of directions: their radiance times the area that such rays see of them, and that area; and what they cover
-// along the three axes. Levels lie behind one another in y, octants in z.
+// along the three axes. Windows lie behind one another in y, octants in z; the levels
+// above the windows behind the last, side by side in x.
 {{ use("shaders/sh.wgsl") }}
 {{ use("techniques/lpv/storage_scale.wgsl") }}
 {{ use("techniques/lpv/gathering/levels.wgsl") }}
@@ -15,10 +16,14 @@ fn areas_at(cell: u32) -> Areas {
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    let level = id.z / {{ n }}u;
-    let at = id - vec3u(0u, 0u, level * {{ n }}u);
+    let slot = id.z / {{ n }}u;
+    var level = slot;
+    {% for k in range(2, used - windows + 1) %}
+    level += select(0u, 1u, slot == {{ windows }}u && id.x >= {{ n - 2 * (n // 2**k) }}u);
+    {% endfor %}
     let edge = edge_of(level);
-    if level >= {{ used }}u || any(at >= vec3u(edge)) { return; }
+    let at = id - vec3u(select(0u, {{ n }}u - 2u * edge, slot == {{ windows }}u), 0u, {{ n }}u * slot);
+    if slot >= {{ slots }}u || any(at >= vec3u(edge)) { return; }
     let cell = first_of(level) + at.x + edge * (at.y + edge * at.z);
     {% if used > windows %}
     // Above the windows, of all cells of the last that lie in this one.
@@ -51,7 +56,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let scale = select(0.0, storage_scale(peak[0]) / (SH_Y0 * {{ pi }} * size * size * area), area > 0.0);
     let radiance = scale * vec3f(red.x, green.x, blue.x);
     let covers = Areas(min(vec3f(1.0), sqrt(area * areas.upper)), min(vec3f(1.0), sqrt(area * areas.lower)));
-    let texel = at + vec3u(0u, {{ n }}u * level, 0u);
+    let texel = vec3u(id.x, id.y + {{ n }}u * slot, at.z);
     {% for octant in range(8) %}
     {
         // Rays that go upwards see what faces the lower end.
