@@ -29,11 +29,14 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     // Above the windows, of all cells of the last that lie in this one.
     let steps = max(level, {{ windows - 1 }}u) - {{ windows - 1 }}u;
     var areas = Areas();
-    for (var i = 0u; i < (1u << (3u * steps)); i++) {
+    var i = 0u;
+    loop {
         let side = (1u << steps) - 1u;
         let child = (at << vec3u(steps)) + vec3u(i & side, (i >> steps) & side, i >> (2u * steps));
         let one = areas_at(first_of(level - steps) + child.x + {{ n }}u * (child.y + {{ n }}u * child.z));
         areas = Areas(areas.upper + one.upper, areas.lower + one.lower);
+        i += 1u;
+        continuing { break if i >= (1u << (3u * steps)); }
     }
     let share = 1.0 / f32(1u << (2u * steps));
     areas = Areas(min(vec3f(1.0), share * areas.upper), min(vec3f(1.0), share * areas.lower));
