@@ -73,7 +73,7 @@ def _filled(grid: Grid) -> list[np.ndarray]:
     device().write(own, pack_grid(grid))
     device().write(shifted, pack_grid(Grid(tuple(aside), grid.cell_size, grid.n)))
     injection, levels = Injection(device(), grid.n), Levels([grid.n])
-    geometry, reflectors = GeometryVolume(device(), levels), Reflectors(device(), levels, -BEHIND)
+    geometry, reflectors = GeometryVolume(device(), levels, planes=False), Reflectors(device(), levels, -BEHIND)
     with submitted() as stage:
         injection.run(stage, own, frame.vpls, vpl_sources(frame, grid, "flux"))
         geometry.run(stage, frame, shifted)

@@ -151,7 +151,7 @@ def test_a_wall_through_nested_windows_stays_whole_and_where_it_is():
         if number:
             x, y, z = np.array(windows[number - 1].origin) // 2 - window.origin
             shares[z : z + n // 2, y : y + n // 2, x : x + n // 2] = 0.0
-        own.append(Planes(shares, offsets))
+        own.append(Planes.sheets(shares, offsets))
     for level, window in zip(cascades.nested_planes(own, windows), windows, strict=False):
         layer = int(place / window.size) - window.origin[2]
         assert 0 <= layer < n and np.count_nonzero(level.shares) == n * n

@@ -188,7 +188,7 @@ def test_a_wall_between_stops_light():
     """A closed wall in the middle of the volume: nothing of the light beyond it, all of the light on this side."""
     blocked = np.zeros((N, N, N, 3))
     blocked[:, :, 8, 0] = 1.0
-    levels = geometry.plane_levels(geometry.Planes(blocked, np.full(blocked.shape, 0.3)))
+    levels = geometry.plane_levels(geometry.Planes.sheets(blocked, np.full(blocked.shape, 0.3)))
     cells = np.array([[2, 8, 8], [4, 8, 8], [10, 8, 8], [11, 8, 8], [12, 8, 8], [15, 8, 8]])
     nodes = gathering.light_nodes(wall((1, 0, 0), slice(7, 10)))
     free, found = (gathering.gather(cells, nodes, H, g) for g in (None, levels))

@@ -16,7 +16,7 @@ def wall(axis: int, place: float, share: float = 1.0, n: int = N) -> list[Planes
     """All levels of a volume whose only surface is a wall across `axis` (0 is x), at `place` in cells."""
     shares, offsets = np.zeros((n, n, n, 3)), np.full((n, n, n, 3), place % 1.0)
     np.moveaxis(shares, 2 - axis, 0)[int(place), ..., axis] = share
-    return geometry.plane_levels(Planes(shares, offsets))
+    return geometry.plane_levels(Planes.sheets(shares, offsets))
 
 
 class Ways:
@@ -78,15 +78,88 @@ def test_surfels_count_by_their_shares():
         np.testing.assert_allclose(planes.offsets[5, 4, 3, 1], mean - BEHIND, **ROUNDING)
 
 
+def box(low, size) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Surfels of a closed box, 8 x 8 on each side, whose normals point outwards. low, size: (3,), in cells."""
+    steps = (np.arange(8) + 0.5) / 8
+    positions, normals, areas = [], [], []
+    for axis in range(3):
+        a, b = np.meshgrid(steps, steps)
+        for side in (0.0, 1.0):
+            unit = np.insert(np.stack([a.ravel(), b.ravel()], axis=-1), axis, side, axis=-1)
+            positions.append(GRID.origin + H * (np.array(low) + unit * size))
+            normals.append(np.broadcast_to((2.0 * side - 1.0) * np.eye(3)[axis], (64, 3)))
+            areas.append(np.full(64, np.delete(size, axis).prod() * H * H / 64))
+    return np.concatenate(positions), np.concatenate(normals), np.concatenate(areas)
+
+
+def test_a_box_smaller_than_a_cell_blocks_its_projected_area_once():
+    """Along each axis, on each coarser level a quarter of that, from its middle: its sides lie as far behind their
+    surfaces each way. Nothing else is blocked."""
+    low, size = np.array([5.2, 10.3, 7.1]), np.array([0.2, 0.5, 0.7])
+    for i, level in enumerate(geometry.plane_levels(geometry.inject_planes(*box(low, size), GRID))):
+        x, y, z = (low / 2**i).astype(int)
+        once = size.prod() / size / 4**i
+        for found in (level.shares, level.fronts, level.backs):
+            np.testing.assert_allclose(found[z, y, x], once, **ROUNDING)
+            assert np.count_nonzero(found) == 3
+        np.testing.assert_allclose(level.offsets[z, y, x], (low + size / 2) / 2**i % 1.0, **ROUNDING)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_box_cut_by_a_face_between_cells_blocks_once_where_a_cell_holds_all_of_it(axis):
+    """Of cells 6 and 7 one has its back and the other its front; their parent has both."""
+    low, size = np.full(3, 4.2), np.full(3, 0.5)
+    low[axis] = 6.8
+    levels = geometry.plane_levels(geometry.inject_planes(*box(low, size), GRID))
+    cells = [tuple(np.where(np.arange(3) == axis, layer, 4))[::-1] for layer in (6, 7)]
+    found = [(levels[0].fronts[c][axis], levels[0].backs[c][axis]) for c in cells]
+    np.testing.assert_allclose(found, [(0.0, 0.25), (0.25, 0.0)], **ROUNDING)
+    for i, level in enumerate(levels[1:], 1):
+        x, y, z = (low / 2**i).astype(int)
+        np.testing.assert_allclose(level.shares[z, y, x], 0.25 / 4**i, **ROUNDING)
+        np.testing.assert_allclose(level.offsets[z, y, x], (low + size / 2) / 2**i % 1.0, **ROUNDING)
+
+
+@pytest.mark.parametrize("share", [1.0, 0.5])
+@pytest.mark.parametrize("faces", [(1,), (-1,), (1, -1)], ids=["front", "back", "both"])
+def test_a_wall_of_one_face_or_two_blocks_once(faces, share):
+    """All, or where half of it is there, half; on every level, in the middle of its faces. A face at 5.3 or 5.5."""
+    position, normal, area = plane()
+    made = [(position - (0.0, 0.0, 0.0 if s > 0 else -0.2 * H), s * normal, share * area) for s in faces]
+    surfels = (np.concatenate(a) for a in zip(*made, strict=True))
+    middle = np.mean([{1: 5.3 - BEHIND, -1: 5.5 + BEHIND}[s] for s in faces])
+    for i, level in enumerate(geometry.plane_levels(geometry.inject_planes(*surfels, GRID))):
+        layer = 5 >> i
+        expected = np.zeros_like(level.shares)
+        expected[layer, ..., 2] = share
+        np.testing.assert_allclose(level.shares, expected, **ROUNDING)
+        np.testing.assert_allclose(level.offsets[layer, ..., 2], middle / 2**i % 1.0, **ROUNDING)
+
+
 def test_the_buffer_with_the_most_says_where():
     """Along each axis by itself, and of equals the first."""
-    made = [Planes(np.full((2, 2, 2, 3), s), np.full((2, 2, 2, 3), o)) for s, o in ((0.5, 0.1), (0.7, 0.2), (0.7, 0.3))]
-    made[0].shares[1, 0, 0, 2] = 0.8
+    numbers = (0.5, 0.1), (0.7, 0.2), (0.7, 0.3)
+    made = [Planes.sheets(np.full((2, 2, 2, 3), s), np.full((2, 2, 2, 3), o)) for s, o in numbers]
+    made[0].fronts[1, 0, 0, 2] = 0.8
     merged = geometry.merge_planes(made)
     expected = np.full((2, 2, 2, 3), 0.2)
     expected[1, 0, 0, 2] = 0.1
     np.testing.assert_array_equal(merged.offsets, expected)
     np.testing.assert_array_equal(merged.shares, geometry.merge_buffers([m.shares for m in made]))
+
+
+def test_buffers_that_see_one_side_each_are_merged_by_sides():
+    """What one sees of the front, and another of the back, at 0.2 and 0.9: both are kept, so that coarser cells have
+    both, and the larger says where."""
+    front, back = (np.zeros((2, 2, 2, 3)) for _ in range(2))
+    front[0, 0, 0, 0], back[0, 0, 0, 0] = 0.5, 0.75
+    made = [Planes(front, 0.0 * back, np.full(front.shape, 0.2)), Planes(0.0 * front, back, np.full(front.shape, 0.9))]
+    for buffers in (made, made[::-1]):
+        merged = geometry.merge_planes(buffers)
+        assert np.array_equal(merged.fronts, front) and np.array_equal(merged.backs, back)
+        assert merged.shares[0, 0, 0, 0] == 0.75 and merged.offsets[0, 0, 0, 0] == 0.9
+        coarser = geometry.plane_levels(merged)[1]
+        assert coarser.fronts[0, 0, 0, 0] == 0.125 and coarser.shares[0, 0, 0, 0] == 0.1875
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -101,7 +174,7 @@ def test_a_wall_stays_where_it_is_on_every_level(axis):
 def test_two_walls_in_a_coarser_cell_are_one_between():
     """By their shares: a whole one at 2.5 and a half one at 3.1 are a whole one at 2.7 of four, 0.35 of the cell."""
     one, half = wall(0, 2.5)[0], wall(0, 3.1, 0.5)[0]
-    both = Planes(one.shares + half.shares, np.where(half.shares > 0.0, half.offsets, one.offsets))
+    both = Planes.sheets(one.shares + half.shares, np.where(half.shares > 0.0, half.offsets, one.offsets))
     level = geometry.plane_levels(both)[1]
     np.testing.assert_allclose(level.offsets[:, :, 1, 0], 0.35, **ROUNDING)
     assert (level.shares[:, :, 1, 0] == 1.0).all()
@@ -110,20 +183,20 @@ def test_two_walls_in_a_coarser_cell_are_one_between():
 def test_packing():
     """Ten bits an axis, x in the lowest, of which five are the share, rounded, and five the place, to its middle."""
     rng = np.random.default_rng(0)
-    planes = Planes(rng.random((8, 8, 8, 3)), rng.random((8, 8, 8, 3)))
-    planes.shares[0, 0, 0], planes.shares[0, 0, 1], planes.offsets[0, 0, 1] = 1.0, 0.0, 1.0
+    planes = Planes.sheets(rng.random((8, 8, 8, 3)), rng.random((8, 8, 8, 3)))
+    planes.fronts[0, 0, 0], planes.fronts[0, 0, 1], planes.offsets[0, 0, 1] = 1.0, 0.0, 1.0
     words = geometry.pack_planes(planes)
     found = geometry.unpack_planes(words)
     assert np.abs(found.shares - planes.shares).max() <= 1 / 62
     assert np.abs(found.offsets - planes.offsets).max() <= PLACE
     assert (found.shares[0, 0, 0] == 1.0).all() and (found.shares[0, 0, 1] == 0.0).all()
     assert words.dtype == np.uint32 and words.max() < 1 << 30
-    one = Planes(np.array([[[[1.0, 0.0, 0.0]]]]), np.array([[[[0.5, 0.0, 1.0]]]]))
+    one = Planes.sheets(np.array([[[[1.0, 0.0, 0.0]]]]), np.array([[[[0.5, 0.0, 1.0]]]]))
     assert geometry.pack_planes(one)[0, 0, 0] == 31 | 16 << 5 | 31 << 25
 
 
 def test_the_empty_volume_lets_everything_pass():
-    nothing = Planes(np.zeros((N, N, N, 3)), np.random.default_rng(1).random((N, N, N, 3)))
+    nothing = Planes.sheets(np.zeros((N, N, N, 3)), np.random.default_rng(1).random((N, N, N, 3)))
     assert (Ways(0, N).transmittance(geometry.plane_levels(nothing)) == 1.0).all()
 
 
@@ -178,7 +251,7 @@ def test_shares_are_what_passes_on_average():
     for _ in range(300):
         shares, offsets = np.zeros((N, N, N, 3)), rng.random((N, N, N, 3))
         shares[..., 1] = share
-        found.append(geometry.cone_transmittance([Planes(shares, offsets)], start, end, 1.0))
+        found.append(geometry.cone_transmittance([Planes.sheets(shares, offsets)], start, end, 1.0))
     expected = (1.0 - share / 4.0) ** 6
     assert abs(np.mean(found) - expected) < 4.0 * np.std(found) / np.sqrt(np.size(found))
 
@@ -195,7 +268,7 @@ def test_ways_in_a_room_are_not_dimmed():
     ways = Ways(7, N, 20000)
     ways.end = low + (high - low) * np.random.default_rng(8).random(ways.end.shape)
     inside = np.all((ways.start > low) & (ways.start < high), axis=-1)
-    assert np.all(ways.transmittance(geometry.plane_levels(Planes(shares, offsets)))[inside] == 1.0)
+    assert np.all(ways.transmittance(geometry.plane_levels(Planes.sheets(shares, offsets)))[inside] == 1.0)
     touching = inside & np.any((ways.start < low + 1.0) | (ways.start > high - 1.0), axis=-1)
     assert touching.sum() > 1000
 
@@ -221,7 +294,7 @@ def test_mirrored_ways_pass_as_much():
     size = 2.0 ** rng.integers(0, 3, 300)
 
     def passed(shares, offsets, ends):
-        return geometry.cone_transmittance(geometry.plane_levels(Planes(shares, offsets)), *ends, size)
+        return geometry.cone_transmittance(geometry.plane_levels(Planes.sheets(shares, offsets)), *ends, size)
 
     straight = passed(shares, offsets, cells + 0.5)
     mirrored = passed(shares[::-1, ::-1, ::-1], 1.0 - offsets[::-1, ::-1, ::-1], N - 0.5 - cells)

@@ -97,17 +97,19 @@ def test_surfels_of_the_finest_grid_and_of_coarser_ones(device):
     )  # fmt: skip
     with one_stage(device) as stage:
         made.run(stage, frame, *uniforms(device))
-    shares, offsets = (read_buffer(device, b).reshape(-1, 4)[:, :3] for b in (made.shares, made.offsets))
+    buffers = (read_buffer(device, made.volume[name]) for name in geometry.Planes._fields)
+    made_levels = zip(*(LEVELS.split(b.reshape(-1, 4)[:, :3]) for b in buffers), strict=True)
     normals, positions = unpack_normals(vpls["normal"]), vpls["position"].astype(np.float64)
     owner, areas = finest(positions, -geometry.BEHIND * normals), vpls["area"].astype(np.float64)
     own = [geometry.inject_planes(positions[owner == i], normals[owner == i], areas[owner == i], grid)
            for i, grid in enumerate(GRIDS)]  # fmt: skip
     most = np.bincount(owner).max() / N**3 * 50  # far more than any cell has
     levels = cascades.nested_planes(own, WINDOWS)
-    for found, place, expected in zip(LEVELS.split(shares), LEVELS.split(offsets), levels, strict=True):
-        np.testing.assert_allclose(found, expected.shares, rtol=1e-5, atol=most * 0.5 / 65536)
+    for (fronts, backs, offsets), expected in zip(made_levels, levels, strict=True):
+        for found, side in ((fronts, expected.fronts), (backs, expected.backs)):
+            np.testing.assert_allclose(found, side, rtol=1e-5, atol=most * 0.5 / 65536)
         filled = expected.shares > 1e-3
-        np.testing.assert_allclose(place[filled], expected.offsets[filled], atol=2e-3)
+        np.testing.assert_allclose(offsets[filled], expected.offsets[filled], atol=2e-3)
         assert filled.any()
 
 

@@ -55,7 +55,7 @@ def packed(levels: list[geometry.Planes]) -> tuple[np.ndarray, list[geometry.Pla
 def random_planes(rng: np.random.Generator, density: float, most: float = 1.0) -> geometry.Planes:
     """Shares up to `most`, in a share `density` of the cells, anywhere in them."""
     shares = rng.uniform(0.0, most, (N, N, N, 3)) * (rng.random((N, N, N, 1)) < density)
-    return geometry.Planes(shares, rng.random((N, N, N, 3)))
+    return geometry.Planes.sheets(shares, rng.random((N, N, N, 3)))
 
 
 def run(device, made: Gathering, light: np.ndarray, words=None) -> tuple[np.ndarray, np.ndarray]:

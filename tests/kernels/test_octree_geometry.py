@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from gpu_tools import one_stage, random_directions, read_buffer, scene_of, small_settings
+from gpu_tools import one_stage, random_directions, scene_of, small_settings
 
 from octolux.frame.structs import VPL
 from octolux.gpu.records import record_texture
@@ -41,9 +41,21 @@ def random_surfels(rng, count: int, area: float) -> np.ndarray:
     return vpls
 
 
+def surfels_of(vpls: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, Grid]:
+    """As the simulator takes them. An area is negative where a surface is seen from both sides."""
+    return vpls["position"].astype(np.float64), unpack_normals(vpls["normal"]), np.abs(vpls["area"].astype(float)), GRID
+
+
 def inject(vpls: np.ndarray) -> reference.Planes:
-    position = vpls["position"].astype(np.float64)
-    return reference.inject_planes(position, unpack_normals(vpls["normal"]), vpls["area"].astype(np.float64), GRID)
+    return reference.inject_planes(*surfels_of(vpls))
+
+
+def blocked_levels(groups: list[np.ndarray], planes: bool) -> list[np.ndarray]:
+    """The simulator's, of several buffers."""
+    if planes:
+        return [level.shares for level in reference.plane_levels(reference.merge_planes([inject(g) for g in groups]))]
+    volumes = [reference.inject_surfels(*surfels_of(g)) for g in groups]
+    return reference.geometry_levels(reference.merge_buffers(volumes))
 
 
 def run(
@@ -62,12 +74,16 @@ def run(
     )  # fmt: skip
     with one_stage(device) as stage:
         made.run(stage, frame, device.uniform("grid", pack_grid(GRID)))
-    return LEVELS.split(read_buffer(device, made.shares).reshape(-1, 4)[:, :3])
+    return made.blocked()
 
 
 @pytest.fixture(scope="module", params=[False, True], ids=["shares", "planes"])
 def made(device, request):
     return GeometryVolume(device, LEVELS, camera=False, planes=request.param)
+
+
+def has_planes(made: GeometryVolume) -> bool:
+    return "offsets" in made.volume
 
 
 def test_surfels_of_three_lights(device, made):
@@ -76,7 +92,7 @@ def test_surfels_of_three_lights(device, made):
     rng = np.random.default_rng(1)
     groups = [random_surfels(rng, count, 0.1) for count in (20000, 3000, 1)]
     found = run(device, made, groups)
-    expected = reference.geometry_levels(reference.merge_buffers([inject(g).shares for g in groups]))
+    expected = blocked_levels(groups, has_planes(made))
     most = max(np.bincount(cell_numbers(g)).max() for g in groups)
     for f, e in zip(found, expected, strict=True):
         np.testing.assert_allclose(f, e, rtol=1e-5, atol=most * 0.5 / 65536)
@@ -131,10 +147,12 @@ def test_a_cell_with_too_much_is_closed(device, made):
     assert found[5, 5, 5, 2] == 1.0 and np.count_nonzero(found[..., 2]) == 1
 
 
-def too_many(area: float) -> np.ndarray:
-    """A hundred thousand surfels in one cell, a quarter of them at 0.3 in it, the others at 0.7."""
+def too_many(area: float, facing: int = 1) -> np.ndarray:
+    """A hundred thousand surfels in one cell, a quarter of them at 0.3 in it, the others at 0.7.
+
+    facing: along z, or against it."""
     vpls = VPL.array(100_000)
-    vpls["normal"], vpls["area"] = pack_normals(np.array([0.0, 0.0, 1.0])), area
+    vpls["normal"], vpls["area"] = pack_normals(np.array([0.0, 0.0, facing])), area
     vpls["position"] = np.array(GRID.origin) + 5.7 * GRID.cell_size
     vpls["position"][::4, 2] -= 0.4 * GRID.cell_size
     return vpls

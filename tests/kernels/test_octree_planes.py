@@ -7,17 +7,19 @@ import pytest
 from gpu_tools import one_stage, read_buffer
 from test_octree_geometry import GRID, LEVELS, N, cell_numbers, inject, random_surfels, run, too_many
 
+from octolux.frame.structs import VPL
+from octolux.simulator.camera import pack_normals
 from octolux.simulator.lpv import geometry as reference
 from octolux.techniques.lpv.geometry import GeometryVolume, fixed_point_wall
 
 
 def planes_of(device, made: GeometryVolume) -> list[reference.Planes]:
     """What the last run has left, where it lies too."""
-    shares, offsets = (
-        LEVELS.split(read_buffer(device, b).reshape(-1, 4)[:, :3].astype(np.float64))
-        for b in (made.shares, made.offsets)
+    volumes = (
+        LEVELS.split(read_buffer(device, made.volume[name]).reshape(-1, 4)[:, :3].astype(np.float64))
+        for name in reference.Planes._fields
     )  # fmt: skip
-    return [reference.Planes(*level) for level in zip(shares, offsets, strict=True)]
+    return [reference.Planes(*level) for level in zip(*volumes, strict=True)]
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +37,9 @@ def test_planes_lie_where_the_surfels_do(device, with_planes, lights):
     run(device, with_planes, groups)
     found, volumes = planes_of(device, with_planes), [inject(g) for g in groups]
     merged = reference.merge_planes(volumes)
-    one = fixed_point_wall(9000, True)
+    one, most = fixed_point_wall(9000, True), max(np.bincount(cell_numbers(g)).max() for g in groups)
+    for side, expected in zip(found[0][:2], merged[:2], strict=True):
+        np.testing.assert_allclose(side, expected, rtol=1e-5, atol=most * (0.5 / one + 1e-6))
     bounds = []
     for g, v in zip(groups, volumes, strict=True):
         count = np.bincount(cell_numbers(g), minlength=N**3).reshape(N, N, N).T[..., None]
@@ -54,7 +58,8 @@ def test_coarser_planes(device, with_planes):
     run(device, with_planes, [random_surfels(np.random.default_rng(8), 3000, 0.1)])
     found = planes_of(device, with_planes)
     for f, e in zip(found, reference.plane_levels(found[0]), strict=True):
-        np.testing.assert_allclose(f.shares, e.shares, rtol=1e-5)
+        np.testing.assert_allclose(f.fronts, e.fronts, rtol=1e-5)
+        np.testing.assert_allclose(f.backs, e.backs, rtol=1e-5)
         np.testing.assert_allclose(f.offsets[e.shares > 0.0], e.offsets[e.shares > 0.0], rtol=1e-5)
 
 
@@ -64,24 +69,53 @@ def test_planes_have_the_same_bits_in_any_order(device, with_planes):
     surfels, seen = random_surfels(rng, 20001, 0.1), []
     for order in (np.arange(20001), rng.permutation(20001), np.argsort(cell_numbers(surfels), kind="stable")):
         run(device, with_planes, [surfels[order]], width=int(rng.integers(1, 900)))
-        seen.append([(p.shares, np.where(p.shares > 0.0, p.offsets, 0.0)) for p in planes_of(device, with_planes)])
+        found = planes_of(device, with_planes)
+        seen.append([(p.fronts, p.backs, np.where(p.shares > 0.0, p.offsets, 0.0)) for p in found])
         run(device, with_planes, [random_surfels(rng, 9000, 0.3) for _ in range(3)])
     for first, *others in zip(*seen, strict=True):
         assert all(np.array_equal(a, b) for other in others for a, b in zip(first, other, strict=True))
-    assert len(np.unique(seen[0][0][1])) > 1000
+    assert len(np.unique(seen[0][0][2])) > 1000
 
 
+def closed_box(sides: int) -> np.ndarray:
+    """In the cell (5, 5, 5), as wide as a half of it and 64 surfels on each side; `sides` -1: seen from both sides."""
+    steps = 0.25 + (np.arange(8) + 0.5) / 16
+    a, b = (v.ravel() for v in np.meshgrid(steps, steps))
+    vpls = VPL.array(6 * 64)
+    for i, (axis, side) in enumerate((axis, side) for axis in range(3) for side in (-1, 1)):
+        face = vpls[64 * i : 64 * (i + 1)]
+        within = np.insert(np.stack([a, b], axis=-1), axis, 0.5 + 0.25 * side, axis=-1)
+        face["position"] = GRID.origin + GRID.cell_size * (5.0 + within)
+        face["normal"] = pack_normals(side * np.eye(3)[axis])
+    vpls["area"] = sides * (GRID.cell_size / 16) ** 2
+    return vpls
+
+
+@pytest.mark.parametrize("sides", [1, -1])
+def test_a_closed_box_blocks_once(device, with_planes, sides):
+    """A quarter of its cell along each axis, and of that a quarter on each level above. Packed normals are turned by
+    up to 6.5e-5 (`pack_normals`), so that each of four sides beside an axis may bring as much of itself: 2.6e-4."""
+    run(device, with_planes, [closed_box(sides)])
+    for i, level in enumerate(planes_of(device, with_planes)):
+        at = (5 >> i,) * 3
+        np.testing.assert_allclose(level.shares[at], 0.25 / 4**i, rtol=3e-4)
+        np.testing.assert_allclose(level.shares.sum(axis=(0, 1, 2)), 0.25 / 4**i, rtol=3e-4)
+        np.testing.assert_allclose(level.offsets[at], 5.5 / 2**i % 1.0, atol=3e-4)
+
+
+@pytest.mark.parametrize("facing", [1, -1])
 @pytest.mark.parametrize("area", [1e3, 1e-6])
-def test_the_plane_of_very_many(device, with_planes, area):
+def test_the_plane_of_very_many(device, with_planes, area, facing):
     """It is their mean, of large ones, whose sums go beyond 32 bits, and of a wall of small ones alike. A share of the
     small ones is 16 steps of fixed point for 10^-6 m^2 in a cell of 1/16, so that it and the place err by 1/32 a step:
     by 1/32 of each at most."""
-    vpls = too_many(area)
+    vpls = too_many(area, facing)
     run(device, with_planes, [vpls])
     found, expected = planes_of(device, with_planes)[0], inject(vpls)
+    assert not (found.backs if facing > 0 else found.fronts)[5, 5, 5, 2]
     steps = min(1.0, area / GRID.cell_size**2) * fixed_point_wall(len(vpls), True)
     np.testing.assert_allclose(found.shares[5, 5, 5, 2], expected.shares[5, 5, 5, 2], rtol=0.5 / steps + 1e-5)
-    np.testing.assert_allclose(found.offsets[5, 5, 5, 2], 0.6 - reference.BEHIND, atol=1.0 / steps + 1e-5)
+    np.testing.assert_allclose(found.offsets[5, 5, 5, 2], 0.6 - facing * reference.BEHIND, atol=1.0 / steps + 1e-5)
 
 
 def test_packed_planes(device, with_planes):

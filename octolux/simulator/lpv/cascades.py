@@ -17,7 +17,7 @@ import numpy as np
 
 from octolux.simulator.grid import Grid
 from octolux.simulator.lpv.gathering import Nodes, first_moments, nodes_of
-from octolux.simulator.lpv.geometry import Planes, coarser_planes, plane_levels, planes_of
+from octolux.simulator.lpv.geometry import Planes, coarser_planes, moments_of, plane_levels, planes_of
 from octolux.simulator.lpv.octree import downsample
 
 SNAP = 4
@@ -126,14 +126,13 @@ def nested_levels(own: Sequence[np.ndarray], windows: Sequence[Window]) -> list[
 
 
 def nested_planes(own: Sequence[Planes], windows: Sequence[Window]) -> list[Planes]:
-    """The same of the geometry volume: a quarter of the children's shares, and at most 1 on each level."""
+    """The same of the geometry volume: a quarter of the children's fronts and backs, and at most 1 on each level."""
     levels = [own[0]]
     for cells, inner, outer in zip(own[1:], windows, windows[1:], strict=False):
-        sums, moments = cells.shares.copy(), cells.shares * cells.offsets
-        reached = _reached(inner, outer, len(sums))
-        for mine, children in zip((sums, moments), coarser_planes(levels[-1]), strict=True):
-            mine[reached] += children
-        levels.append(planes_of(sums, moments))
+        sums = cells.fronts.copy(), cells.backs.copy(), moments_of(cells)
+        for mine, children in zip(sums, coarser_planes(levels[-1]), strict=True):
+            mine[_reached(inner, outer, len(mine))] += children
+        levels.append(planes_of(*sums))
     return levels[:-1] + plane_levels(levels[-1])
 
 

@@ -13,11 +13,20 @@ So a cell also has three planes, one across each axis, at the mean place of the 
 way is blocked by the share of each plane it crosses, and by none that it does not: of a wall across an axis exactly
 what goes through. Planes anywhere in the cell give a.|u| L again, as the chance to cross one is its |u| L.
 
+A plane is crossed once, but a closed object twice: by a front, which faces the way, and by a back. Over a closed
+surface the integral of n dA is zero, so that along each axis the fronts, n > 0, and the backs, n < 0, have the same
+projected area, and each of them is what the object blocks, if no way goes into it more than once. So fronts and backs
+are summed apart, and the plane's share is the larger of the two: a column or a cushion smaller than the cell counts
+once, as does a wall of two faces, or of one. A coarser cell's fronts are made of its children's fronts and its backs of
+their backs, as an object may be cut by the face between two children, each of which has one of its sides.
+
 Where this is not exact:
 - Surfaces at a slant are stairs: each of their cells has a plane across either axis, crossed in the cell's whole width.
   What goes through is blocked, but so is what runs along within their cells. Where the surface leaves a cell through
   its side, neighbours have a share b and 1 - b of it across that axis, and b (1 - b) of the light between them passes.
-- Of several parallel walls in a cell there is one, in their middle, as closed as all together.
+- Of several parallel walls in a cell there is one, in their middle, as closed as all that face one way together, up to
+  a wall. Sheets beside one another that face either way, as leaves may, block no more than the larger part of them.
+- An object that is cut by the face between two cells has a plane in each, and a way may cross both.
 - A plane spans its cell. Of half a wall, half the light passes wherever it crosses.
 - Planes of a coarser cell lie at the mean of its children's (`coarser_planes`): a wall along the axes where it was, two
   walls that it holds in their middle. The coarser the cells, the farther away is what they block (CONE_LENGTH).
@@ -53,39 +62,68 @@ STEPS = 31, 32
 
 
 class Planes(NamedTuple):
-    """Float64 [z][y][x][3] each. shares: of the cell's cross section, what is blocked along x, y and z.
-    offsets: where along the axis its plane lies, from 0 to 1 in the cell; of no meaning without a share."""
+    """Float64 [z][y][x][3] each. fronts, backs: of the cell's cross section along x, y and z, what surfaces fill whose
+    normals point along the axis, and against it, at most 1 each. offsets: where along the axis its plane lies, from 0
+    to 1 in the cell; of no meaning without a share."""
 
-    shares: np.ndarray
+    fronts: np.ndarray
+    backs: np.ndarray
     offsets: np.ndarray
+
+    @classmethod
+    def sheets(cls, shares: np.ndarray, offsets: np.ndarray) -> Planes:
+        """Of surfaces that all face along the axes."""
+        return cls(shares, np.zeros_like(shares), offsets)
+
+    @property
+    def shares(self) -> np.ndarray:
+        """Of the cell's cross section, what is blocked along x, y and z."""
+        return np.maximum(self.fronts, self.backs)
 
 
 def inject_surfels(position, normal, area, grid: Grid) -> np.ndarray:
-    """Blocked shares [z][y][x][3] of M surfels of one buffer, at most 1 each: several layers of a surface in one cell,
-    or texels that overlap, block no more than a wall does.
+    """Blocked shares [z][y][x][3] of M surfels of one buffer, whichever way they face, at most 1 each: several layers
+    of a surface in one cell, or texels that overlap, block no more than a wall does.
 
     position: (M, 3), world space.  normal: (M, 3) unit.  area: (M,), m^2. Surfels outside the grid are omitted.
     """
-    return inject_planes(position, normal, area, grid).shares
+    cells, weights, _, _ = _surfels_in_cells(position, normal, area, grid)
+    return np.minimum(_sum_in_cells(cells, weights, grid), 1.0)
 
 
 def inject_planes(position, normal, area, grid: Grid) -> Planes:
-    """As `inject_surfels`, and where they lie: the mean, of which a surfel has its share, at most 1, as weight."""
-    places = grid.to_cells(np.asarray(position) - BEHIND * grid.cell_size * np.asarray(normal))
+    """What faces along the axes, and against them, and where both lie: the mean, of which a surfel has its share, at
+    most 1, as weight."""
+    cells, weights, within, front = _surfels_in_cells(position, normal, area, grid)
+    fronts, backs, moments = (
+        _sum_in_cells(cells, values, grid)
+        for values in (np.where(front, weights, 0.0), np.where(front, 0.0, weights), weights * within)
+    )  # fmt: skip
+    return planes_of(fronts, backs, moments)
+
+
+def _surfels_in_cells(position, normal, area, grid: Grid):
+    """Of those in the grid: number [z][y][x] of the cell, and along each axis share of its cross section, at most 1,
+    place in it, and whether the normal points along it."""
+    normal = np.asarray(normal, dtype=np.float64)
+    places = grid.to_cells(np.asarray(position) - BEHIND * grid.cell_size * normal)
     cells = np.floor(places).astype(np.int64)
     kept = np.all((cells >= 0) & (cells < grid.n), axis=-1)
+    shares = np.abs(normal) * np.asarray(area)[:, None] / grid.cell_size**2
     x, y, z = cells[kept].T
-    shares = np.abs(np.asarray(normal, dtype=np.float64)) * np.asarray(area)[:, None] / grid.cell_size**2
-    weights = np.minimum(shares[kept], 1.0)
-    sums, moments = np.zeros((2, *(grid.n,) * 3, 3))
-    np.add.at(sums, (z, y, x), weights)
-    np.add.at(moments, (z, y, x), weights * (places - cells)[kept])
-    return planes_of(sums, moments)
+    return (z, y, x), np.minimum(shares[kept], 1.0), (places - cells)[kept], normal[kept] > 0.0
 
 
-def planes_of(sums: np.ndarray, moments: np.ndarray) -> Planes:
-    """Shares of at most 1, at their mean places: moments are sums of shares times places."""
-    return Planes(np.minimum(sums, 1.0), moments / np.where(sums > 0.0, sums, 1.0))
+def _sum_in_cells(cells, values: np.ndarray, grid: Grid) -> np.ndarray:
+    sums = np.zeros((*(grid.n,) * 3, 3))
+    np.add.at(sums, cells, values)
+    return sums
+
+
+def planes_of(fronts: np.ndarray, backs: np.ndarray, moments: np.ndarray) -> Planes:
+    """Shares of at most 1 each, at their mean places: moments are sums of shares of both times places."""
+    both = fronts + backs
+    return Planes(np.minimum(fronts, 1.0), np.minimum(backs, 1.0), moments / np.where(both > 0.0, both, 1.0))
 
 
 def merge_buffers(volumes: Sequence[np.ndarray]) -> np.ndarray:
@@ -94,11 +132,11 @@ def merge_buffers(volumes: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def merge_planes(volumes: Sequence[Planes]) -> Planes:
-    """As `merge_buffers`; along each axis the plane of the buffer that has the most, the first of equals."""
-    shares = np.stack([v.shares for v in volumes])
-    first = shares.argmax(axis=0)[None]
+    """As `merge_buffers`, fronts and backs apart: each of the two may be what another buffer has seen. Along each axis
+    the plane of the buffer that has the largest share, the first of equals."""
+    first = np.argmax([v.shares for v in volumes], axis=0)[None]
     offsets = np.take_along_axis(np.stack([v.offsets for v in volumes]), first, axis=0)[0]
-    return Planes(merge_buffers(list(shares)), offsets)
+    return Planes(merge_buffers([v.fronts for v in volumes]), merge_buffers([v.backs for v in volumes]), offsets)
 
 
 def geometry_levels(finest: np.ndarray, coarsest: int = 1) -> list[np.ndarray]:
@@ -110,19 +148,25 @@ def geometry_levels(finest: np.ndarray, coarsest: int = 1) -> list[np.ndarray]:
     return levels
 
 
-def coarser_planes(planes: Planes) -> tuple[np.ndarray, np.ndarray]:
-    """Of the next coarser level, [z][y][x][3] each: a quarter of the children's shares' sum, as the cross section is 4
-    times as large, not limited; and their moments: the sum of shares times places in the parent."""
-    z, y, x = np.indices(planes.shares.shape[:3]) % 2
+def moments_of(planes: Planes) -> np.ndarray:
+    """Shares of both sides times their place [z][y][x][3]."""
+    return (planes.fronts + planes.backs) * planes.offsets
+
+
+def coarser_planes(planes: Planes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of the next coarser level, [z][y][x][3] each: a quarter of the sum of the children's fronts, and of their backs,
+    as the cross section is 4 times as large, not limited; and the moments of both, with places in the parent."""
+    z, y, x = np.indices(planes.fronts.shape[:3]) % 2
     corner = np.stack([x, y, z], axis=-1)
-    quarter = 0.25 * planes.shares
-    return downsample(quarter, "sum"), downsample(quarter * 0.5 * (planes.offsets + corner), "sum")
+    in_parent = planes._replace(offsets=0.5 * (planes.offsets + corner))
+    fronts, backs, moments = (downsample(0.25 * v, "sum") for v in (planes.fronts, planes.backs, moments_of(in_parent)))
+    return fronts, backs, moments
 
 
 def plane_levels(finest: Planes) -> list[Planes]:
     """The octree above `finest`, down to one cell."""
     levels = [finest]
-    while levels[-1].shares.shape[0] > 1:
+    while levels[-1].fronts.shape[0] > 1:
         levels.append(planes_of(*coarser_planes(levels[-1])))
     return levels
 
@@ -135,9 +179,9 @@ def pack_planes(planes: Planes) -> np.ndarray:
 
 
 def unpack_planes(words) -> Planes:
-    """What `pack_planes` has kept: shares to 1/62, places to 1/64 of a cell."""
+    """What `pack_planes` has kept: shares to 1/62, as of sheets, places to 1/64 of a cell."""
     axes = np.asarray(words)[..., None] >> np.array([0, 10, 20], np.uint32)
-    return Planes((axes & 31) / STEPS[0], ((axes >> 5 & 31) + 0.5) / STEPS[1])
+    return Planes.sheets((axes & 31) / STEPS[0], ((axes >> 5 & 31) + 0.5) / STEPS[1])
 
 
 def face_transmittance(shares) -> np.ndarray:
@@ -201,7 +245,7 @@ def cone_transmittance(levels: Sequence[Planes], start, end, node_size, origins=
         left = np.minimum((whole - travelled) / width, 1.0)[:, None]
         stepped = np.zeros(len(start), dtype=bool)
         for i, planes in enumerate(levels):
-            at, n = point / 2**i - origins[i], planes.shares.shape[0]
+            at, n = point / 2**i - origins[i], planes.fronts.shape[0]
             held = np.all((at >= 0.0) & (at < n), axis=-1) | (i == len(levels) - 1)
             here = going & (level == i) & held
             passed[here] *= _let_through(planes, at[here], step[here], left[here])
@@ -223,9 +267,9 @@ def _let_through(planes: Planes, at: np.ndarray, step: np.ndarray, left: np.ndar
     cell's beginning if that lies in another along this axis, and its own, or the cell's end if the way goes on
     beyond. So parts of a way within a cell follow on one another without gaps.
     """
-    cell = np.clip(np.floor(at).astype(int), 0, planes.shares.shape[0] - 1)
+    cell = np.clip(np.floor(at).astype(int), 0, planes.fronts.shape[0] - 1)
     x, y, z = cell.T
-    share, plane = planes.shares[z, y, x], planes.offsets[z, y, x]
+    share, plane = np.maximum(planes.fronts[z, y, x], planes.backs[z, y, x]), planes.offsets[z, y, x]
     fraction, size, upwards = at - np.floor(at), np.abs(step), step > 0.0
     within = np.where(upwards, fraction, 1.0 - fraction)  # counted along the way, as all below
     ahead = np.where(upwards, plane, 1.0 - plane)

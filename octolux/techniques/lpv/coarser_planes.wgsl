@@ -1,6 +1,6 @@
-// The geometry volume's next coarser level (simulator/lpv/geometry.py, `coarser_planes`): shares are a quarter of the children's
-// sum, as the cross section is four times as large, and lie where theirs do on average. A window's cells that a finer
-// window reaches have what is their own besides.
+// The geometry volume's next coarser level (simulator/lpv/geometry.py, `coarser_planes`): fronts and backs are each
+// a quarter of the children's sum, as the cross section is four times as large, and lie where theirs do on average. A
+// window's cells that a finer window reaches have what is their own besides.
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -11,16 +11,20 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let parent = id;
     {% endif %}
     let number = {{ parent_first }}u + parent.x + {{ parent_n }}u * (parent.y + {{ parent_n }}u * parent.z);
-    var sum = {% if own %}shares[number]{% else %}vec4f(0.0){% endif %};
-    var moment = {% if own %}sum * offsets[number]{% else %}vec4f(0.0){% endif %};
+    var front = {% if own %}fronts[number]{% else %}vec4f(0.0){% endif %};
+    var back = {% if own %}backs[number]{% else %}vec4f(0.0){% endif %};
+    var moment = {% if own %}(front + back) * offsets[number]{% else %}vec4f(0.0){% endif %};
     for (var child = 0u; child < 8u; child++) {
         let corner = vec3u(child & 1u, (child >> 1u) & 1u, child >> 2u);
         let at = 2u * id + corner;
         let source = {{ child_first }}u + at.x + {{ child_n }}u * (at.y + {{ child_n }}u * at.z);
-        let share = 0.25 * shares[source];
-        sum += share;
-        moment += share * 0.5 * (offsets[source] + vec4f(vec3f(corner), 0.0));
+        let child_front = 0.25 * fronts[source];
+        let child_back = 0.25 * backs[source];
+        front += child_front;
+        back += child_back;
+        moment += (child_front + child_back) * 0.5 * (offsets[source] + vec4f(vec3f(corner), 0.0));
     }
-    shares[number] = min(vec4f(1.0), sum);
-    offsets[number] = moment / max(sum, vec4f(1e-20));
+    fronts[number] = min(vec4f(1.0), front);
+    backs[number] = min(vec4f(1.0), back);
+    offsets[number] = moment / max(front + back, vec4f(1e-20));
 }

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from ...frame.frame import Frame
 from ...frame.scene_surfels import SceneSurfels
 from ...frame.structs import VIEW, VPL, views_binding
@@ -39,9 +41,10 @@ def fixed_point_wall(surfels: int, planes: bool) -> int:
 
 
 class GeometryVolume:
-    """`shares`: vec4f [level][z][y][x]: of the cell's cross section, what is blocked along x, y and z. With `planes`
-    also `offsets`: vec4f, where these lie in the cell, from 0 to 1; and `packed`: both in a word, for those who read
-    many, after `pack`.
+    """`volume`: buffers of vec4f [level][z][y][x], by name. "shares": of the cell's cross section, what is blocked
+    along x, y and z. With `planes` instead "fronts" and "backs", the larger of which is blocked, and "offsets", where
+    both lie in the cell, from 0 to 1; and `packed`: what is blocked, and where, in a word, for those who read many,
+    after `pack`.
 
     coarsest level as in `levels`. camera: the G-buffer's surfaces count besides those that lights see. `every`: each
     surfel is in every grid that holds it, not in the finest alone, of which the coarser ones are then made.
@@ -53,9 +56,13 @@ class GeometryVolume:
         self.device, self.levels, self.n, self._camera, self._planes = device, levels, levels.sizes[0], camera, planes
         self._cells = levels.windows * self.n**3
         self._layers = levels.windows if every else 1
-        bytes_of_sums = self._cells * (32 if planes else 12)
+        bytes_of_sums = self._cells * (48 if planes else 12)
         self._at_once = max(1, min(_AT_ONCE, DEFAULT_LIMITS["max-storage-buffer-binding-size"] // bytes_of_sums))
-        self.shares = device.buffer("LPV geometry volume", size=levels.cells * 16)
+        self._sides = ("fronts", "backs") if planes else ("shares",)
+        self.volume = {
+            name: device.buffer("LPV geometry volume", size=levels.cells * 16)
+            for name in (*self._sides, *(("offsets",) if planes else ()))
+        }  # fmt: skip
         self._sums = device.buffer("LPV surfel sums", size=self._at_once * bytes_of_sums)
         self._surfels: list[Any] = []
         self._values: dict[str, Any] = {
@@ -66,11 +73,15 @@ class GeometryVolume:
         self._downsampling = None
         self._coarser: list[tuple[int, ComputePass]] = []
         if planes:
-            self.offsets = device.buffer("LPV geometry volume", size=levels.cells * 16)
             self.packed = device.buffer("LPV geometry volume", size=levels.cells * 4)
             self._make_plane_passes()
         elif not every:
             self._downsampling = Downsampling(device, levels, per_cell=1, factor=0.25, limit=1.0)
+
+    @property
+    def shares(self) -> Any:
+        """Without planes."""
+        return self.volume["shares"]
 
     def _make_surfel_passes(self) -> None:
         device, surfels, sums = self.device, uniform("surfels", SURFELS), atomic_words("sums", "u32")
@@ -85,14 +96,16 @@ class GeometryVolume:
             [views_binding(), texture("surface_map", "uint"), texture("depth_map"), surfels, grids, sums],
             structs=[VIEW, SURFELS, GRID], workgroup=(64, 1, 1), **self._values,
         )  # fmt: skip
-        self._merge = ComputePass(
-            device, "merge surfels", "techniques/lpv/surfels_merge.wgsl",
-            [surfels, storage_rw("sums", "u32"), *self._volume()], structs=[SURFELS], workgroup=(64, 1, 1),
-            at_once=self._at_once, **self._values,
-        )  # fmt: skip
+        self._merges = {  # by the number of buffers: one is all that the whole scene has, and cheaper
+            at_once: ComputePass(
+                device, "merge surfels", "techniques/lpv/surfels_merge.wgsl",
+                [surfels, storage_rw("sums", "u32"), *self._volume_bindings()], structs=[SURFELS],
+                workgroup=(64, 1, 1), at_once=at_once, **self._values,
+            ) for at_once in {1, self._at_once}
+        }  # fmt: skip
 
-    def _volume(self) -> list[Binding]:
-        return [storage_rw(name, "vec4f") for name in (("shares", "offsets") if self._planes else ("shares",))]
+    def _volume_bindings(self) -> list[Binding]:
+        return [storage_rw(name, "vec4f") for name in self.volume]
 
     def _make_plane_passes(self) -> None:
         levels, device = self.levels, self.device
@@ -100,14 +113,14 @@ class GeometryVolume:
             own = level < levels.windows - 1
             made = ComputePass(
                 device, "downsample", "techniques/lpv/coarser_planes.wgsl",
-                [*self._volume(), *([windows_binding(levels.windows)] if own else [])], structs=[WINDOW] * own,
+                [*self._volume_bindings(), *([windows_binding(levels.windows)] if own else [])], structs=[WINDOW] * own,
                 workgroup=(4, 4, 4), own=own, level=level, child_n=n, child_first=levels.first(level),
                 parent_n=levels.sizes[level + 1], parent_first=levels.first(level + 1),
             )  # fmt: skip
             self._coarser.append((n // 2, made))
         self._pack = ComputePass(
             device, "pack shares", "techniques/lpv/pack_shares.wgsl",
-            [storage("shares", "vec4f"), storage("offsets", "vec4f"), storage_rw("packed", "u32", "write")],
+            [*(storage(name, "vec4f") for name in self.volume), storage_rw("packed", "u32", "write")],
             workgroup=(64, 1, 1), row=ROW, cells=levels.cells,
         )  # fmt: skip
 
@@ -116,8 +129,8 @@ class GeometryVolume:
     ) -> None:
         """From the RSM of each lamp, each merged by maximum (CLPV 3.2), and the G-buffer; or from the whole `scene`.
         grids: uniform buffer of GRID, one for each window; windows: of WINDOW, where there are several."""
-        stage.encoder.clear_buffer(self.shares, 0, self._cells * 16)  # coarser levels are written over
-        volume = {"shares": self.shares, **({"offsets": self.offsets} if self._planes else {})}
+        for name in self._sides:
+            stage.encoder.clear_buffer(self.volume[name], 0, self._cells * 16)  # coarser levels are written over
         buffers = list(surfel_buffers(frame, self._camera, scene))
         one = fixed_point_wall(max((buffer.count for buffer in buffers), default=0), self._planes)
         for number, buffer in enumerate(buffers):
@@ -131,17 +144,24 @@ class GeometryVolume:
                 )  # fmt: skip
             else:
                 self._from_vpls.run(stage, threads, **common, vpls=buffer.vpls)
-            if number % self._at_once == self._at_once - 1 or number == len(buffers) - 1:
-                self._merge.run(stage, (self._cells,), surfels=surfels, sums=self._sums, **volume)
+            last = number % self._at_once
+            if last == self._at_once - 1 or number == len(buffers) - 1:
+                merge = self._merges[self._at_once if last else 1]
+                merge.run(stage, (self._cells,), surfels=surfels, sums=self._sums, **self.volume)
         if self._downsampling:
             self._downsampling.run(stage, self.shares, windows)
         for level, (half, each) in enumerate(self._coarser):
             given = {"windows": windows} if level < self.levels.windows - 1 else {}
-            each.run(stage, (half,) * 3, **volume, **given)
+            each.run(stage, (half,) * 3, **self.volume, **given)
 
     def pack(self, stage: Any) -> None:
         """Make `packed` of the shares and their planes."""
-        self._pack.run(stage, self.levels.rows, shares=self.shares, offsets=self.offsets, packed=self.packed)
+        self._pack.run(stage, self.levels.rows, **self.volume, packed=self.packed)
+
+    def blocked(self) -> list[np.ndarray]:
+        """For debug views: float32 [z][y][x][3] of each level, shares of the cross section that are blocked."""
+        sides = [self.device.queue.read_buffer(self.volume[name]) for name in self._sides]
+        return self.levels.split(np.max([np.frombuffer(s, np.float32).reshape(-1, 4)[:, :3] for s in sides], axis=0))
 
     def _surfels_buffer(self, number: int, one: int, where: dict[str, int]) -> Any:
         """A uniform buffer for each buffer of a frame: all are written before the first pass runs."""

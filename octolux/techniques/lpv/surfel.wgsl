@@ -1,6 +1,6 @@
 // Surfels' shares of the cross sections of the cells that they lie in (simulator/lpv/geometry.py), in fixed point.
 //
-// A thread walks down {{ run }} surfels of a map's column and adds up their shares while they lie in one cell. {% if planes %}Six{% else %}Three{% endif %} numbers
+// A thread walks down {{ run }} surfels of a map's column and adds up their shares while they lie in one cell. {% if planes %}Nine{% else %}Three{% endif %} numbers
 // are few enough to be scattered in the loop, unlike inject.wgsl's twelve: no thread waits for another that has met a new
 // cell. Each surfel is rounded by itself, so the sums have the same bits however the walks are cut.
 
@@ -8,25 +8,26 @@ struct Surfel { position: vec3f, normal: vec3f, area: f32 } // no area: nothing 
 {{ use("techniques/lpv/cell_in_grids.wgsl") }}
 {% if planes %}
 
-fn add(at: u32, number: u32, carries: u32, carry: u32) {
-    if atomicAdd(&sums[at], number) > 0xffffffffu - number { atomicAdd(&sums[carries], carry); }
-}
+// Whether the sum goes beyond 32 bits.
+fn add(at: u32, number: u32) -> bool { return atomicAdd(&sums[at], number) > 0xffffffffu - number; }
 
-// Besides the shares, how far along each axis they lie in the cell. How often each sum has gone beyond 32 bits is counted in
-// two words more, 10 bits an axis: these too are the same in any order.
-fn scatter(cell: u32, sum: vec3u, moment: vec3u) {
-    let at = 8u * (surfels.sums + cell);
+// The shares of what faces along each axis, of what faces against it, and how far along it both lie in the cell. How often each
+// sum has gone beyond 32 bits is counted in three words more, 10 bits an axis: these too are the same in any order.
+fn scatter(cell: u32, fronts: vec3u, backs: vec3u, moments: vec3u) {
+    let at = 12u * (surfels.sums + cell);
+    {% for name in ("fronts", "backs", "moments") %}
+    {% set i = loop.index0 %}
+    var {{ name }}_beyond = 0u;
     {% for k in range(3) %}
-    if sum[{{ k }}] > 0u {
-        add(at + {{ k }}u, sum[{{ k }}], at + 6u, {{ 1024 ** k }}u);
-        add(at + {{ 3 + k }}u, moment[{{ k }}], at + 7u, {{ 1024 ** k }}u);
-    }
+    if {{ name }}[{{ k }}] > 0u && add(at + {{ 3 * i + k }}u, {{ name }}[{{ k }}]) { {{ name }}_beyond += {{ 1024 ** k }}u; }
+    {% endfor %}
+    if {{ name }}_beyond > 0u { atomicAdd(&sums[at + {{ 9 + i }}u], {{ name }}_beyond); }
     {% endfor %}
 }
 {% else %}
 
 // A walk that brings a whole wall closes the cell: more would only come nearer to 2^32.
-fn scatter(cell: u32, sum: vec3u, moment: vec3u) {
+fn scatter(cell: u32, sum: vec3u) {
     let at = 3u * (surfels.sums + cell);
     let shares = min(sum, vec3u(u32(surfels.one)));
     {% for k in range(3) %}
@@ -37,6 +38,7 @@ fn scatter(cell: u32, sum: vec3u, moment: vec3u) {
 }
 {% endif %}
 
+{% set sums = "fronts, backs, moments" if planes else "sum" %}
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let start = id.x / surfels.width * ({{ run }}u * surfels.width) + id.x % surfels.width;
@@ -44,22 +46,28 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let steps = min({{ run }}u, (surfels.count - 1u - start) / surfels.width + 1u);
     var i = 0u;
     var cell = NOWHERE;
-    var sum = vec3u(0u);
-    var moment = vec3u(0u);
+    {% for name in sums.split(", ") %}
+    var {{ name }} = vec3u(0u);
+    {% endfor %}
     loop {
         let surfel = surfel_at(start + i * surfels.width);
         let held = held_by(id.y, surfel.position, {{ -behind }} * surfel.normal);
         let used = surfel.area > 0.0 && held.cell != NOWHERE;
         let next = select(cell, held.cell, used);
         let share = surfels.one * min(vec3f(1.0), abs(surfel.normal) * (surfel.area * per_cross_section(held.cell)));
-        if next != cell && cell != NOWHERE { scatter(cell, sum, moment); }
-        sum = select(sum, vec3u(0u), next != cell) + select(vec3u(0u), vec3u(round(share)), used);
+        if next != cell && cell != NOWHERE { scatter(cell, {{ sums }}); }
+        let rounded = select(vec3u(0u), vec3u(round(share)), used);
         {% if planes %}
-        moment = select(moment, vec3u(0u), next != cell) + select(vec3u(0u), vec3u(round(share * held.within)), used);
+        let front = surfel.normal > vec3f(0.0);
+        fronts = select(fronts, vec3u(0u), next != cell) + select(vec3u(0u), rounded, front);
+        backs = select(backs, vec3u(0u), next != cell) + select(rounded, vec3u(0u), front);
+        moments = select(moments, vec3u(0u), next != cell) + select(vec3u(0u), vec3u(round(share * held.within)), used);
+        {% else %}
+        sum = select(sum, vec3u(0u), next != cell) + rounded;
         {% endif %}
         cell = next;
         i++;
         if i >= steps { break; }
     }
-    if cell != NOWHERE { scatter(cell, sum, moment); }
+    if cell != NOWHERE { scatter(cell, {{ sums }}); }
 }

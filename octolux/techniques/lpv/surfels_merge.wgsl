@@ -1,6 +1,6 @@
 // Of the surfels that several buffers have seen in a cell, the most counts (CLPV 3.2), up to a wall; the first of equals. The
 // sums are zeroed for the next.
-{% set numbers = 8 if planes else 3 %}
+{% set numbers = 12 if planes else 3 %}
 {% if planes %}
 
 // Three sums with what has gone beyond 32 bits.
@@ -13,34 +13,47 @@ fn sum_of(at: u32, carries: u32) -> vec3f {
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= {{ cells }}u { return; }
-    var most = vec3f(0.0);
-    {% if planes %}
-    var within = vec3f(0.0); // mean of the buffer that has the most
-    {% endif %}
+    {% for name in (("front", "back", "within") if planes else ("most",)) %}
+    var {{ name }} = vec3f(0.0);
+    {% endfor %}
     {% for buffer in range(at_once) %}
     {
         let at = {{ numbers }}u * (id.x + {{ buffer * cells }}u);
         {% if planes %}
-        let sum = sum_of(at, at + 6u);
+        let fronts_sum = sum_of(at, at + 9u);
+        let backs_sum = sum_of(at + 3u, at + 10u);
+        let sum = fronts_sum + backs_sum;
         {% else %}
         let sum = vec3f(vec3u(sums[at], sums[at + 1u], sums[at + 2u]));
         {% endif %}
         if any(sum > vec3f(0.0)) {
-            let found = min(vec3f(1.0), sum / surfels.one);
             {% if planes %}
-            within = select(within, sum_of(at + 3u, at + 7u) / max(sum, vec3f(1.0)), found > most);
+            let fronts_found = min(vec3f(1.0), fronts_sum / surfels.one);
+            let backs_found = min(vec3f(1.0), backs_sum / surfels.one);
+            let more = max(fronts_found, backs_found) > max(front, back);
+            within = select(within, sum_of(at + 6u, at + 11u) / max(sum, vec3f(1.0)), more); // mean of the buffer with the most
+            front = max(front, fronts_found);
+            back = max(back, backs_found);
+            {% else %}
+            most = max(most, min(vec3f(1.0), sum / surfels.one));
             {% endif %}
-            most = max(most, found);
             {% for k in range(numbers) %}
             sums[at + {{ k }}u] = 0u;
             {% endfor %}
         }
     }
     {% endfor %}
+    {% if planes %}
+    let most = max(front, back);
+    {% endif %}
     if any(most > vec3f(0.0)) {
         {% if planes %}
-        offsets[id.x] = vec4f(select(offsets[id.x].xyz, within, most > shares[id.x].xyz), 0.0);
-        {% endif %}
+        let more = most > max(fronts[id.x].xyz, backs[id.x].xyz);
+        offsets[id.x] = vec4f(select(offsets[id.x].xyz, within, more), 0.0);
+        fronts[id.x] = max(fronts[id.x], vec4f(front, 0.0));
+        backs[id.x] = max(backs[id.x], vec4f(back, 0.0));
+        {% else %}
         shares[id.x] = max(shares[id.x], vec4f(most, 0.0));
+        {% endif %}
     }
 }

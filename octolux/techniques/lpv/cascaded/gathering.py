@@ -101,7 +101,7 @@ class CascadedGathering:
         [z][y][x][3], shares of the cross section."""
         views = {"injected": self._read(self.injection.injected, (3, 4))}
         if self.geometry:
-            views["blocked"] = [level[..., :3] for level in self._read(self.geometry.shares, (4,))]
+            views["blocked"] = self.geometry.blocked()
         return views
 
     def _read(self, buffer: Any, cell: tuple[int, ...]) -> list[np.ndarray]:

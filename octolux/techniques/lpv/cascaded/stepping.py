@@ -106,7 +106,7 @@ class CascadedStepping:
             "accumulated": [level / scale for level in self._read(self.propagation.light, (3, 4))],
         }
         if self.geometry:
-            views["blocked"] = [level[..., :3] for level in self._read(self.geometry.shares, (4,))]
+            views["blocked"] = self.geometry.blocked()
         return views
 
     def _read(self, buffer: Any, cell: tuple[int, ...]) -> list[np.ndarray]:

@@ -112,7 +112,7 @@ class OctreeLpv(Technique):
             peak = np.frombuffer(self.device.queue.read_buffer(self.injection.peak), np.float32)[0]
             views["accumulated"] = self.stepping.accumulated(peak)
         if self.geometry:
-            views["blocked"] = [level[..., :3] for level in self._read(self.geometry.shares, (4,))]
+            views["blocked"] = self.geometry.blocked()
         return views
 
     def _read(self, buffer: Any, cell: tuple[int, ...]) -> list[np.ndarray]:
