@@ -123,27 +123,27 @@ def _summary(found: np.ndarray) -> dict[str, float]:
     return {"p50": float(p50), "p99": float(p99), "max": float(largest), "points": float(found.shape[1])}
 
 
-def _named(preset: str, values: dict[str, float]) -> dict[str, float]:
-    return {f"{preset}.{key}": value for key, value in values.items()}
+def _named(name: str, values: dict[str, float]) -> dict[str, float]:
+    return {f"{name}.{key}": value for key, value in values.items()}
 
 
-@figure("clpv_stability_lamp", group="clpv", bound={"default.max": at_most(0.05)})
+@figure("clpv_stability_lamp", group="clpv", bound=dict.fromkeys(("default.max", "volumes.max"), at_most(0.05)))
 def clpv_stability_lamp() -> dict[str, float]:
     """A lamp moves through the atrium by a tenth of a cell a frame: second differences of the indirect irradiance."""
     found: dict[str, float] = {}
-    for text in TEXTS:
-        found |= _named(text.partition(":")[2], lamp_jumps(text))
+    for name, text in TEXTS.items():
+        found |= _named(name, lamp_jumps(text))
     return found
 
 
 @figure("clpv_stability_object", group="clpv", bound=dict.fromkeys(
-    [f"default.{where}.max" for where in ("finest", "coarsest")], at_most(0.02)
+    [f"{name}.{where}.max" for name in ("default", "volumes") for where in ("finest", "coarsest")], at_most(0.02)
 ))  # fmt: skip
 def clpv_stability_object() -> dict[str, float]:
     """A ball half as large as a cell rolls along a table by a tenth of a cell a frame, seen in the finest cascade and
     in the coarsest: second differences around it."""
     found: dict[str, float] = {}
-    for text in TEXTS:
+    for name, text in TEXTS.items():
         for where, cascade in (("finest", 0), ("coarsest", _DEFAULT.cascades - 1)):
-            found |= _named(f"{text.partition(':')[2]}.{where}", ball_flicker(text, cascade))
+            found |= _named(f"{name}.{where}", ball_flicker(text, cascade))
     return found

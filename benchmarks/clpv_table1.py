@@ -32,7 +32,7 @@ MAPS = FrameSettings(shadow_resolution=256, rsm_resolution=256, sky_lights=0, em
 
 ROWS = {
     "RSM rendering": ("RSM rendering", "RSM surfaces"), "VPL injection": ("injection",),
-    "GV injection": ("scene surfels", "geometry volume"),
+    "GV injection": ("scene surfels", "geometry volume", "reflectors"),
     "Propagation": ("bounces", "downsampling", "propagation", "volumes"), "LPV lookup": ("lookup",),
 }  # fmt: skip
 """The table's rows, and the stages of a frame that each is made of. A frame whose surfaces have not moved takes no new

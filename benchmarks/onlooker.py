@@ -39,7 +39,8 @@ class Onlooker:
 
     The light cache is the viewer's in all: cascades lie around the viewer, the viewer's G-buffer gives surfels, and
     only cells that the viewer's pixels look up are filled. So the light at a point is what the viewer sees there, and
-    no picture has to be resampled. Points that the viewer does not see are said so.
+    no picture has to be resampled; but for what is done in screen space, which is the onlooker's. Points that the
+    viewer does not see are said so.
     """
 
     def __init__(

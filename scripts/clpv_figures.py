@@ -1,0 +1,146 @@
+"""Renders figures of Kaplanyan and Dachsbacher 2010 anew into docs/images: `python scripts/clpv_figures.py [6|7|12]`.
+
+6: Crytek Sponza without textures: direct light; with three cascades; with the path-traced first bounce; and the
+signed difference of the last two, green where the cascades are too bright and red where they are too dark, full
+colour from the traced light's mean on. 7: one grid of 32^3 without occlusion, with it, and with bounces; above the
+paper's steps, below the default. 12: above, one grid of 30, 60, 80 and 100 m for a scene of 37 m; below, 1, 4, 8 and
+16 iterations without occlusion. All have the sun alone. They need the data folder. The traced light is kept in the
+user's cache folder.
+"""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT))  # benchmarks is not installed
+
+from benchmarks.clpv_table1 import base_scene  # noqa: E402
+from benchmarks.lab import device  # noqa: E402
+from benchmarks.olpv_scene import SCENES  # noqa: E402
+from benchmarks.registry import NeedsData  # noqa: E402
+from octolux.compare.choices import choice  # noqa: E402
+from octolux.compare.metrics import brightness_map  # noqa: E402
+from octolux.compare.rendering import Rendering, Studio, black  # noqa: E402
+from octolux.frame.frame import FrameSettings  # noqa: E402
+from octolux.scene.images.cache import cache_folder, content_key  # noqa: E402
+from octolux.scene.materials import Image as Texels  # noqa: E402
+from octolux.scene.materials import Material  # noqa: E402
+from octolux.scene.scene import Scene  # noqa: E402
+from octolux.simulator.tonemap import display  # noqa: E402
+
+FOLDER = ROOT / "docs" / "images"
+MAPS = FrameSettings(sky_lights=0, emitter_lights=0)
+# EV100, without textures and with: indirect light is seen, and the sunlit floor is white, as in the paper.
+BRIGHT, DIM = 9.5, 8.5
+ALBEDO = 0.7
+BLOCK = 5
+TRACED = "path-tracer:reference,materials=diffuse,paths=first-bounce,samples=256"
+
+# CLPV 6, table 1 and figure 7, and ours; screen-space occlusion would hide what the geometry volume does.
+GRID = "cascaded-lpv:{preset},cascades=1,ambient_occlusion=false,"
+KINDS = ("occlusion=false,bounces=1", "bounces=1", "bounces=2")
+EDGES, ITERATIONS = (30, 60, 80, 100), (1, 4, 8, 16)
+
+
+def untextured(scene: Scene) -> Scene:
+    """All surfaces of one albedo; what is cut out stays so."""
+    return replace(scene, materials=[_plain(material) for material in scene.materials])
+
+
+def _plain(material: Material) -> Material:
+    texture = material.base_color_texture if material.alpha_mode == "mask" else None
+    if texture:
+        pixels = texture.image.pixels.copy()
+        pixels[..., :3] = 255
+        texture = replace(texture, image=Texels(pixels))
+    return Material(name=material.name, base_color=(ALBEDO,) * 3, base_color_texture=texture, specular=0.0,
+                    alpha_mode=material.alpha_mode if texture else "opaque", alpha_cutoff=material.alpha_cutoff,
+                    double_sided=material.double_sided)  # fmt: skip
+
+
+def studio(scene: Scene, size: tuple[int, int], exposure: float = DIM) -> Studio:
+    return Studio(scene, device(), size, SCENES["crytek"], exposure=exposure, frame_settings=MAPS, frames=0)
+
+
+def traced(scene: Studio) -> np.ndarray:
+    """Indirect light of the path-traced first bounce, nits (height, width, 3); kept for the next time."""
+    folder = cache_folder()
+    path = folder / f"clpv-figure-6-{content_key(TRACED, str(scene.size))}.npy" if folder else None
+    if path and path.exists():
+        return np.load(path)
+    found = scene.render(choice(TRACED)).pictures["indirect"]
+    if path:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        np.save(path, found)
+    return found
+
+
+def signed(found: np.ndarray, truth: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """uint8 picture: green where `found` is too bright, red where it is too dark; means of blocks of pixels, which
+    have less of the traced light's noise."""
+    difference = brightness_map(found, truth, mask)
+    height, width = difference.shape
+    blocks = difference.reshape(height // BLOCK, BLOCK, width // BLOCK, BLOCK).mean(axis=(1, 3))
+    difference = np.clip(np.kron(blocks, np.ones((BLOCK, BLOCK))), -1.0, 1.0)
+    colours = np.stack([np.maximum(-difference, 0.0), np.maximum(difference, 0.0), np.zeros_like(difference)], axis=-1)
+    return (255.0 * colours + 0.5).astype(np.uint8)
+
+
+def shown(rendering: Rendering, exposure: float = DIM) -> np.ndarray:
+    return display(rendering.pictures["final"], exposure)
+
+
+def figure_6() -> np.ndarray:
+    scene = studio(untextured(base_scene("crytek")), (480, 270), BRIGHT)
+    dark, lit, truth = scene.render(black()), scene.render(choice("cascaded-lpv:default,bounces=1")), traced(scene)
+    reference = display(dark.pictures["final"] + truth, BRIGHT)
+    difference = signed(lit.pictures["indirect"], truth, dark.mask)
+    return _rows([[shown(dark, BRIGHT), shown(lit, BRIGHT)], [reference, difference]])
+
+
+def figure_7() -> np.ndarray:
+    scene = studio(base_scene("crytek"), (400, 225))
+    words = [[GRID.format(preset=preset) + kind for kind in KINDS] for preset in ("paper", "default")]
+    return _rows([[shown(scene.render(choice(text))) for text in row] for row in words])
+
+
+def figure_12() -> np.ndarray:
+    scene = studio(base_scene("crytek"), (320, 180))
+    paper = GRID.format(preset="paper")
+    above = [f"{paper}bounces=1,spacing={edge}" for edge in EDGES]
+    below = [f"{paper}occlusion=false,iterations={k}" for k in ITERATIONS]
+    return _rows([[shown(scene.render(choice(text))) for text in row] for row in (above, below)])
+
+
+def _rows(pictures: list[list[np.ndarray]]) -> np.ndarray:
+    return np.concatenate([np.concatenate(row, axis=1) for row in pictures], axis=0)
+
+
+FIGURES = {"6": figure_6, "7": figure_7, "12": figure_12}
+
+
+def main() -> int:
+    """Exit code 0, or 2 for a figure that is not here or data that is not there."""
+    wanted = sys.argv[1:] or list(FIGURES)
+    if unknown := [name for name in wanted if name not in FIGURES]:
+        print(f"error: There is no figure {', '.join(unknown)}. There are: {', '.join(FIGURES)}.", file=sys.stderr)
+        return 2
+    for name in wanted:
+        path = FOLDER / f"clpv-figure-{name}.jpg"
+        try:
+            Image.fromarray(FIGURES[name]()).save(path, quality=85, optimize=True)
+        except NeedsData as missing:
+            print(f"error: figure {name} needs OCTOLUX_DATA ({missing})", file=sys.stderr)
+            return 2
+        print(f"{path.relative_to(ROOT)}: {path.stat().st_size / 1000:.0f} kB")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
