@@ -149,7 +149,7 @@ def test_samples_share_a_volume_that_is_all_filled(device, monkeypatch):
     """With all cells filled and no surfels of the camera, whose first sample alone counts, samples are as if alone, to
     the rounding of their sum."""
     scene = replace(load_scene("cornell-box"), lights=[LAMP])
-    four, mean = samples_alone(device, scene, monkeypatch, cells="all", camera_surfels=False)
+    four, mean = samples_alone(device, scene, monkeypatch, cells="all", surfels="lamps")
     np.testing.assert_allclose(four, mean, rtol=8 * 2.0**-24, atol=1e-6)
 
 
@@ -157,7 +157,7 @@ def test_samples_fill_newly_seen_cells(device, monkeypatch):
     """What the first sample has not seen is not dark in the others. Each finds the cells of those before filled as
     well, and filters among more of them, which evens out the light from cell to cell and changes no mean much."""
     scene = replace(load_scene("cornell-box"), lights=[LAMP])
-    four, mean = samples_alone(device, scene, monkeypatch, camera_surfels=False)
+    four, mean = samples_alone(device, scene, monkeypatch, surfels="lamps")
     assert four.mean() == pytest.approx(mean.mean(), rel=0.02)
     assert np.all(four >= 0.5 * mean)
 

@@ -11,6 +11,7 @@ from octolux.simulator.lpv import bouncing, cascades
 from octolux.simulator.lpv.octree import level_sizes
 from octolux.techniques.lpv.bouncing.bounces import Bounces
 from octolux.techniques.lpv.levels import Levels
+from octolux.techniques.lpv.reflectors import Reflectors
 from octolux.techniques.lpv.windows import pack_windows
 
 N = 16
@@ -57,7 +58,8 @@ def test_bounces_are_the_simulators(device, count, bounces):
     injected = np.zeros((levels.cells, 3, 4), np.float32)
     injected[: count * N**3] = np.concatenate([light.reshape(-1, 3, 4) for light in lights])
     mirrors = np.zeros((levels.cells, 3, 4), np.float32)
-    mirrors[: count * N**3] = np.concatenate([r.reshape(-1, 3, 4) for r in reflectors])
+    whole = bouncing.with_children(reflectors, windows)
+    mirrors[: count * N**3] = np.concatenate([r.reshape(-1, 3, 4) for r in whole])
     peak = device.buffer("peak", np.array([injected[:, :, 0].max()], np.float32))
     buffer, given = device.buffer("injected", injected), device.buffer("reflectors", mirrors)
     with one_stage(device) as stage:
@@ -65,7 +67,6 @@ def test_bounces_are_the_simulators(device, count, bounces):
     cells = read_buffer(device, buffer).reshape(-1, 3, 4)[: count * N**3]
     found = cells.reshape(count, N, N, N, 3, 4) - np.array(lights)
 
-    whole = bouncing.with_children(reflectors, windows)
     nested = cascades.nested_levels([np.asarray(light, np.float64) for light in lights], windows)[count - 1]
     arrived = bouncing.irradiance(nested, whole[-1], bounces)
     marked = whole[-1][..., :2, :].sum(axis=(-1, -2)) > 0.0
@@ -91,3 +92,18 @@ def test_the_same_bits_again(device):
             made.run(stage, buffer, peak, device.buffer("reflectors", mirrors), None, uniform)
         results.append(read_buffer(device, buffer))
     assert np.array_equal(*results)
+
+
+def test_coarser_windows_have_what_finer_ones_have(device):
+    windows = windows_of(3)
+    _, own = scattered(windows, 3)
+    made = Reflectors(device, Levels([N, N, *level_sizes(N)], 3), 0.5)
+    cells = np.zeros((made.reflectors.size // 48, 3, 4), np.float32)
+    cells[: 3 * N**3] = np.concatenate([r.reshape(-1, 3, 4) for r in own])
+    device.write(made.reflectors, cells)
+    with one_stage(device) as stage:
+        made.complete(stage, device.uniform("windows", pack_windows(windows)))
+    found = read_buffer(device, made.reflectors)[: 36 * N**3].reshape(3, N, N, N, 3, 4)
+    expected = np.array(bouncing.with_children(own, windows))
+    np.testing.assert_allclose(found[..., :3], expected[..., :3], rtol=1e-5, atol=1e-6)
+    assert np.count_nonzero(expected[2] != own[2]) > 100

@@ -172,7 +172,8 @@ def wall_shares(device, lights, *, camera: bool, view=IN_FRONT) -> np.ndarray:
     """Share across z of the cells of level 0 in which the wall lies; no others are blocked."""
     scene = scene_of([WALL, HIDDEN], [Material(double_sided=True)], lights=lights)
     renderer = Renderer(
-        scene, "octree-lpv", settings={"n": N, "camera_surfels": camera}, size=(256, 256), device=device,
+        scene, "octree-lpv", settings={"n": N, "surfels": "lamps and camera" if camera else "lamps"}, size=(256, 256),
+        device=device,
         frame_settings=small_settings(shadow_resolution=256, rsm_resolution=256), default_light=False, exposure=0.0,
     )  # fmt: skip
     renderer.render(view)
@@ -204,7 +205,7 @@ def test_a_wall_seen_from_aside(device, height):
 
 def test_what_the_camera_does_not_see_does_not_count(device):
     scene = scene_of([WALL], [Material(double_sided=True)], lights=[])
-    renderer = Renderer(scene, "octree-lpv", settings={"n": N}, size=(32, 32), device=device, exposure=0.0,
-                        frame_settings=small_settings(), default_light=False)  # fmt: skip
+    renderer = Renderer(scene, "octree-lpv", settings={"n": N, "surfels": "lamps and camera"}, size=(32, 32),
+                        device=device, exposure=0.0, frame_settings=small_settings(), default_light=False)  # fmt: skip
     renderer.render(Camera.look_at((0.0, 0.0, 1.5), (0.0, 0.0, 3.0)))
     assert not any(level.any() for level in renderer.technique.debug_views()["blocked"])

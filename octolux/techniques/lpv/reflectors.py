@@ -22,6 +22,7 @@ from .geometry import SURFELS
 from .injection import RUN, atomic_words, walks
 from .levels import Levels
 from .surfels import SurfelBuffer, surfel_buffers
+from .windows import WINDOW, windows_binding
 
 _ONE = 1 << 16  # fixed point of shares, as the geometry volume's
 # Of albedo times area. A walk of RUN surfels of MOST_WALLS each stays below 2^32.
@@ -33,8 +34,8 @@ class Reflectors:
     """`reflectors`: vec4f x 3 a cell [level][z][y][x]: the shares of its cross section that face +x, -x, +y, -y | +z,
     -z, 0, 0 | the mean albedo, linear, and its luminance; 0 where no surface lies.
 
-    levels: as the geometry volume's. Only its windows are filled, each surfel in the finest that holds it, or in
-    `every` one that does; the coarser levels are the caller's.
+    levels: as the geometry volume's. Its windows are filled, each surfel in the finest that holds it, until `complete`
+    makes the coarser ones whole; or in `every` one that does. The octree's levels above are the caller's.
     offset: cells by which a surfel counts before its surface, along the normal: 0.5 is where inject.wgsl puts VPLs,
     -BEHIND (simulator/lpv/geometry.py) where the geometry volume has shares.
     squares: shares are areas times the squares of the normal's components, which add up to the area: what a cube of
@@ -73,6 +74,14 @@ class Reflectors:
             [*bindings, views_binding(), texture("depth_map"), *pixel_bindings()],
             structs=[SURFELS, GRID, VIEW, *PIXEL_STRUCTS], workgroup=(64, 1, 1), **values,
         )  # fmt: skip
+        self._half = levels.sizes[0] // 2
+        self._coarser = [
+            ComputePass(
+                device, "coarser reflectors", "techniques/lpv/coarser_reflectors.wgsl",
+                [storage_rw("reflectors", "vec4f"), windows_binding(levels.windows)], structs=[WINDOW],
+                workgroup=(4, 4, 4), level=level, n=levels.sizes[0],
+            ) for level in range(0 if every else levels.windows - 1)
+        ]  # fmt: skip
         self._merges: dict[tuple[int, bool, bool], ComputePass] = {}
 
     def _merging(self, buffers: int, first: bool, last: bool) -> ComputePass:
@@ -106,6 +115,11 @@ class Reflectors:
             tints = {"tints": self._tints} if last else {}
             merge = self._merging(len(group), start == 0, last)
             merge.run(stage, (self._cells,), sums=self._sums, reflectors=self.reflectors, **tints)
+
+    def complete(self, stage: Any, windows: Any) -> None:
+        """Add to each window what finer ones have in its reach. windows: uniform buffer of WINDOW."""
+        for each in self._coarser:
+            each.run(stage, (self._half,) * 3, reflectors=self.reflectors, windows=windows)
 
     def _scatter(self, stage: Any, frame: Frame, grids: Any, number: int, buffer: SurfelBuffer) -> None:
         surfels, threads = self._surfels_buffer(number, buffer), (walks(buffer.count, buffer.width), self._layers)

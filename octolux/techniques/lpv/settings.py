@@ -3,8 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from ..settings import Settings, SettingsError, setting
+
+
+def surfels_setting() -> Any:
+    """Of techniques whose light is blocked: what `surfel_buffers` (surfels.py) are asked for."""
+    return setting(
+        "scene", meaning="which surfaces block and reflect light: all of the scene's, or those that lamps, or lamps "
+        "and the camera, see", unit="", allowed=("scene", "lamps", "lamps and camera"),
+        cost="scene: up to a million samples of triangles, some 40 MB; the others may miss what nobody sees",
+        source="CLPV 3.2; Ritschel et al. 2008",
+    )  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,9 @@ from typing import Any
 from ...frame.frame import Frame
 from ...frame.scene_surfels import SceneSurfels
 
+SAMPLES = 2
+"""Of a wall, along each edge of a cell of the finest grid, where the scene's own surfaces are sampled."""
+
 GBUFFER_SAMPLES = 256  # surfels along the longer side of the picture: as many as an RSM has
 
 

@@ -49,13 +49,6 @@ class Bounces:
         device, n = self.device, self.n
         values: dict[str, Any] = {"n": n, "windows": windows, "pi": pi, **SH_CONSTANTS}
         reflectors, cube = storage("reflectors", "vec4f"), texture("cube", "float", "3d")
-        self._coarser = [
-            ComputePass(
-                device, "coarser reflectors", "techniques/lpv/bouncing/coarser_reflectors.wgsl",
-                [storage_rw("reflectors", "vec4f"), windows_binding(windows)], structs=[WINDOW], workgroup=(4, 4, 4),
-                level=level, **values,
-            ) for level in range(windows - 1)
-        ]  # fmt: skip
         self._mark = ComputePass(
             device, "mark reflectors", "techniques/lpv/bouncing/mark_reflectors.wgsl",
             [reflectors, storage_rw("marks", "u32", "write")], workgroup=(64, 1, 1), **values,
@@ -79,11 +72,9 @@ class Bounces:
     def run(
         self, stage: Any, injected: Any, peak: Any, reflectors: Any, packed_shares: Any, windows: Any
     ) -> None:
-        """Add bounced light to each window's own cells of `injected`. reflectors: lpv/reflectors.py's, of which the
-        coarser windows' are completed; packed_shares: geometry.py's."""
+        """Add bounced light to each window's own cells of `injected`. reflectors: lpv/reflectors.py's, with coarser
+        windows complete; packed_shares: geometry.py's."""
         n = self.n
-        for each in self._coarser:
-            each.run(stage, (n // 2,) * 3, reflectors=reflectors, windows=windows)
         self._gathering.forget(stage)
         self._mark.run(stage, (n**3,), reflectors=reflectors, marks=self._gathering.marks)
         self._begin(stage, injected, windows)

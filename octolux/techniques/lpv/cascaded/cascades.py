@@ -10,9 +10,6 @@ from ..constants import GRID, grids_binding, pack_grids
 from ..volume import scene_grid
 from ..windows import WINDOW, pack_windows, windows_binding
 
-SAMPLES = 2
-"""Of a wall, along each edge of a cell of the finest grid, where the scene's own surfaces are sampled."""
-
 
 class Cascades:
     """`windows` and `grids`, the finest first, once placed; `windows_buffer` and `grids_buffer` are uniform buffers of

@@ -13,12 +13,14 @@ from ....simulator.lpv.octree import level_sizes
 from ..bouncing.bounces import Bounces
 from ..gathering.gathering import Gathering
 from ..geometry import GeometryVolume
+from ..glossy.glossy import Glossy
 from ..injection import Injection
 from ..levels import Levels
 from ..reflectors import Reflectors
+from ..surfels import SAMPLES
 from ..volume import vpl_sources
 from .air import AirLight
-from .cascades import SAMPLES, Cascades
+from .cascades import Cascades
 from .emitted_light import EmittedLight
 from .settings import CascadedLpvSettings
 
@@ -41,14 +43,22 @@ class CascadedGathering:
             device, self.levels, occlusion=s.occlusion, lookup_offset=s.lookup_offset, visibility=s.ambient_occlusion
         )
         self.reflectors = self.bounces = None
-        if s.bounces > 1:
+        if s.bounces > 1 or s.glossy:
             self.reflectors = Reflectors(device, self.levels, 0.5, camera, squares=True)
+        if s.bounces > 1:
             self.bounces = Bounces(device, self.levels, s.bounces - 1, occlusion=s.occlusion)
         self.ambient = cascades.ambient_occlusion() if s.ambient_occlusion else None
+        self.glossy = None
+        if s.glossy:
+            self.glossy = Glossy(
+                device, self.levels, occlusion=s.occlusion, lookup_offset=s.lookup_offset, cells=s.glossy_cells
+            )
         self.air: AirLight | None = None  # made when there is fog
         self.irradiance: Any = None
 
     def prepare(self, frame: Frame) -> None:
+        if self.glossy:
+            self.glossy.prepare(frame)
         if self.irradiance is None or self.irradiance.size[:2] != frame.pixels:
             usage = STORAGE | TEXTURE | COPY
             self.irradiance = self.device.texture("LPV irradiance", frame.pixels, "rgba32float", usage=usage)
@@ -66,9 +76,12 @@ class CascadedGathering:
             with profiler.stage("geometry volume") as stage:
                 self.geometry.run(stage, frame, grids_buffer, windows, self.scene_surfels)
                 self.geometry.pack(stage)
+        if self.reflectors:
+            with profiler.stage("reflectors") as stage:
+                self.reflectors.run(stage, frame, grids_buffer, self.scene_surfels)
+                self.reflectors.complete(stage, windows)
         if self.bounces and self.reflectors:
             with profiler.stage("bounces") as stage:
-                self.reflectors.run(stage, frame, grids_buffer, self.scene_surfels)
                 self.bounces.run(
                     stage, self.injection.injected, self.injection.peak, self.reflectors.reflectors,
                     self.geometry.packed if self.geometry else None, windows,
@@ -76,6 +89,10 @@ class CascadedGathering:
         with profiler.stage("downsampling") as stage:
             self.gathering.forget(stage)
             self.gathering.update(stage, self.injection.injected, windows)
+            if self.glossy and self.reflectors:
+                self.glossy.update(
+                    stage, self.injection.injected, self.injection.peak, self.reflectors.reflectors, windows
+                )
         if frame.medium:
             if self.air is None:
                 self.air = AirLight(self.device, self.cascades, self.levels, occlusion=self.settings.occlusion)
@@ -85,8 +102,8 @@ class CascadedGathering:
 
     def shade(self, frame: Frame) -> None:
         peak, grids, windows = self.injection.peak, self.cascades.grids_buffer, self.cascades.windows_buffer
+        shares = self.geometry.packed if self.geometry else None
         with frame.profiler.stage("propagation") as stage:
-            shares = self.geometry.packed if self.geometry else None
             self.gathering.mark(stage, frame, grids, windows)
             self.gathering.gather(stage, peak, shares, windows)
         visibility = None
@@ -95,6 +112,14 @@ class CascadedGathering:
                 visibility = self.ambient.run(stage, frame, grids=grids, windows=windows)
         with frame.profiler.stage("lookup") as stage:
             self.gathering.read(stage, frame, grids, peak, self.irradiance, windows, visibility)
+        if self.glossy:
+            with frame.profiler.stage("glossy") as stage:
+                self.glossy.run(stage, frame, grids, peak, shares, windows)
+
+    @property
+    def specular(self) -> Any:
+        """What glossy surfaces reflect, or None."""
+        return self.glossy.specular if self.glossy else None
 
     def debug_views(self) -> dict[str, Any]:
         """"injected": a list of float32 [z][y][x][rgb][4], W/sr, one for each level; "blocked": the same of

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...settings import SettingsError, setting
-from ..settings import LpvSettings
+from ..settings import LpvSettings, surfels_setting
 
 
 @dataclass(frozen=True)
@@ -44,15 +44,20 @@ class CascadedLpvSettings(LpvSettings):
         cost="some half of the gathering; a third more for steps; without it light goes through walls",
         source="CLPV 3.2",
     )  # fmt: skip
-    surfels: str = setting(
-        "scene", meaning="which surfaces block and reflect light: all of the scene's, or those that lamps, or lamps "
-        "and the camera, see", unit="", allowed=("scene", "lamps", "lamps and camera"),
-        cost="scene: up to a million samples of triangles, some 40 MB", source="CLPV 3.2; Ritschel et al. 2008",
-    )  # fmt: skip
+    surfels: str = surfels_setting()
 
     ambient_occlusion: bool = setting(
         True, meaning="what is smaller than a cell shadows in screen space", unit="", allowed=(False, True),
         cost="a pass over all pixels, some 40 ms of a CPU at 640 x 360", source="CLPV 3.2, 7; GTAO",
+    )  # fmt: skip
+    glossy: bool = setting(
+        True, meaning="glossy surfaces reflect the cells: rays go through them; steps: the paper's mean of a few cells",
+        unit="", allowed=(False, True), cost="a ray a pixel, some 50 ms of a CPU at 640 x 360", source="CLPV 7",
+    )  # fmt: skip
+    glossy_cells: int = setting(
+        0, meaning="cells that a reflected ray goes through at most; 0 is all, and the paper's 4 for steps",
+        unit="cells", allowed=[0, 1024], cost="fewer: darker reflections of what is far, and less time on a GPU",
+        source="CLPV 7",
     )  # fmt: skip
     bounces: int = setting(
         4, meaning="times that light is reflected before it reaches what is seen; with steps 1, or more: in every step",
@@ -101,10 +106,11 @@ class CascadedLpvSettings(LpvSettings):
             "Set propagation=steps, or leave them as they are.")  # fmt: skip
 
     PRESETS: ClassVar[dict[str, dict[str, Any]]] = {
-        "steps": {"propagation": "steps", "iterations": 16, "bounces": 1},
+        "steps": {"propagation": "steps", "iterations": 16, "bounces": 1, "glossy": False},
         "paper": {
             "propagation": "steps", "iterations": 8, "evaluation": "clamped", "reprojection": "face",
             "reading": "paper", "damping": True, "lookup_offset": 0.0, "cell_format": "f16",
             "surfels": "lamps and camera", "bounces": 1, "reflection": "mono", "small_objects": "fade",
+            "glossy": False,
         },
     }  # fmt: skip

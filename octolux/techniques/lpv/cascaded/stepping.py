@@ -12,13 +12,15 @@ from ....gpu.device import Device
 from ....simulator.lpv.geometry import BEHIND
 from ..constants import GRID, pack_grids, storage_scale
 from ..geometry import GeometryVolume
+from ..glossy.glossy import PAPER_CELLS, PaperGlossy
 from ..injection import Injection
 from ..levels import Levels
 from ..lookup import Lookup
 from ..propagation import Propagation
 from ..reflectors import Reflectors
+from ..surfels import SAMPLES
 from ..volume import vpl_sources
-from .cascades import SAMPLES, Cascades
+from .cascades import Cascades
 from .emitted_light import EmittedLight
 from .settings import CascadedLpvSettings
 
@@ -50,6 +52,9 @@ class CascadedStepping:
             visibility=s.ambient_occlusion,
         )  # fmt: skip
         self.ambient = cascades.ambient_occlusion() if s.ambient_occlusion else None
+        self.glossy = PaperGlossy(
+            device, self.levels, lookup_offset=s.lookup_offset, cells=s.glossy_cells or PAPER_CELLS
+        ) if s.glossy else None
         self._aside_buffer = device.uniform("LPV grids", GRID.array(s.cascades))
 
     @property
@@ -57,6 +62,8 @@ class CascadedStepping:
         return self.lookup.irradiance
 
     def prepare(self, frame: Frame) -> None:
+        if self.glossy:
+            self.glossy.prepare(frame)
         self.lookup.prepare(frame.pixels)
         self.device.write(self._aside_buffer, pack_grids([grid.moved(_ASIDE) for grid in self.cascades.grids]))
 
@@ -92,6 +99,15 @@ class CascadedStepping:
                 visibility = self.ambient.run(stage, frame, grids=grids, windows=windows)
         with frame.profiler.stage("lookup") as stage:
             self.lookup.read(stage, frame, *self._placed, visibility)
+        if self.glossy:
+            with frame.profiler.stage("glossy") as stage:
+                grids, peak, windows = self._placed
+                self.glossy.run(stage, frame, grids, peak, self.lookup.volumes, windows)
+
+    @property
+    def specular(self) -> Any:
+        """What glossy surfaces reflect, or None."""
+        return self.glossy.specular if self.glossy else None
 
     @property
     def _placed(self) -> tuple[Any, Any, Any]:

@@ -20,7 +20,7 @@ class CascadedLpv(Technique):
     settings_class = CascadedLpvSettings
     label = "LPV"
     needs = frozenset({"rsm", "surfaces"})
-    supports = frozenset({"dynamic geometry", "dynamic lights", "diffuse", "occlusion", "particles"})
+    supports = frozenset({"dynamic geometry", "dynamic lights", "diffuse", "glossy", "occlusion", "particles"})
     settings: CascadedLpvSettings
 
     def __init__(self, device: Device, settings: CascadedLpvSettings):
@@ -33,7 +33,7 @@ class CascadedLpv(Technique):
     def prepare(self, frame: Frame) -> None:
         self.cascades.place(frame)
         self.way.prepare(frame)
-        frame.irradiance = self.way.irradiance
+        frame.irradiance, frame.specular = self.way.irradiance, self.way.specular
 
     def update(self, frame: Frame) -> None:
         self.way.update(frame)

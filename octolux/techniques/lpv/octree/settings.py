@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...settings import SettingsError, setting
-from ..settings import LpvSettings
+from ..settings import LpvSettings, surfels_setting
 
 
 @dataclass(frozen=True)
@@ -31,10 +31,7 @@ class OctreeLpvSettings(LpvSettings):
         allowed=(False, True),
         cost="some half of the gathering; without it light goes through walls", source="CLPV 3.2, OLPV 5.2",
     )  # fmt: skip
-    camera_surfels: bool = setting(
-        True, meaning="what the camera sees blocks light, besides what lights see", unit="", allowed=(False, True),
-        cost="a pass over 256^2 pixels; without it the light is the same from everywhere", source="CLPV 3.2",
-    )  # fmt: skip
+    surfels: str = surfels_setting()
     cells: str = setting(
         "seen", meaning="which cells gather light: those that seen surfaces look up, or all", unit="",
         allowed=("seen", "all"), cost="all: several times the time, for looking into the volume", source="ours",
@@ -82,6 +79,6 @@ class OctreeLpvSettings(LpvSettings):
         "thesis": {
             "propagation": "steps", "occlusion": False, "coarsest": 2, "combine": "average", "merge": "index",
             "evaluation": "clamped", "reprojection": "face", "gain": 0.75, "injection": "thesis", "reading": "thesis",
-            "lookup_offset": 0.0,
+            "lookup_offset": 0.0, "surfels": "lamps and camera",
         },
     }  # fmt: skip

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ....frame.frame import COPY, STORAGE, TEXTURE, Frame
+from ....frame.scene_surfels import SceneSurfels
 from ....gpu.device import Device
 from ....simulator.lpv.octree import level_sizes
 from ...technique import Technique
@@ -16,6 +17,7 @@ from ..gathering.gathering import Gathering
 from ..geometry import GeometryVolume
 from ..injection import Injection
 from ..levels import Levels
+from ..surfels import SAMPLES
 from ..volume import scene_grid, vpl_sources
 from .settings import OctreeLpvSettings
 from .sparse import SparseStepping
@@ -41,9 +43,9 @@ class OctreeLpv(Technique):
         self.downsampling = Downsampling(device, self.levels, per_cell=3, factor=factor)
         self._grid_buffer = device.uniform("LPV grid", GRID.array(1))
         gathers = s.propagation == "gather"
-        self.geometry = (
-            GeometryVolume(device, self.levels, s.camera_surfels, planes=gathers) if s.occlusion else None
-        )
+        camera = s.surfels == "lamps and camera"
+        self.geometry = GeometryVolume(device, self.levels, camera, planes=gathers) if s.occlusion else None
+        self.scene_surfels = SceneSurfels(device) if s.occlusion and s.surfels == "scene" else None
         self._blocker_grid_buffer = device.uniform("LPV grid", GRID.array(1))
         self.stepping: Stepping | SparseStepping
         if s.propagation == "gather":
@@ -76,9 +78,11 @@ class OctreeLpv(Technique):
         with profiler.stage("injection") as stage:
             sources = vpl_sources(frame, self.grid, self.settings.injection)
             self.injection.run(stage, self._grid_buffer, frame.vpls, sources)
+        if self.scene_surfels:
+            self.scene_surfels.run(frame, np.array(self.grid.origin), self.grid.cell_size / SAMPLES)
         if self.geometry:
             with profiler.stage("geometry volume") as stage:
-                self.geometry.run(stage, frame, self._blocker_grid_buffer)
+                self.geometry.run(stage, frame, self._blocker_grid_buffer, scene=self.scene_surfels)
                 if self.settings.propagation == "gather":
                     self.geometry.pack(stage)
         with profiler.stage("downsampling") as stage:
