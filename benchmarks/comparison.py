@@ -21,7 +21,8 @@ from .registry import figure
 class Score:
     """One technique in one view; None where a figure cannot be told.
 
-    ratio, rmse, trimmed: metrics.relative_errors against the first bounce.  energy: mean over that of all bounces.
+    ratio, rmse, trimmed: metrics.relative_errors against the first bounce, or the light asked for.  energy: mean over
+    that of all bounces.
     leak: metrics.leak's score against all light, so that no bounce counts as a leak; only in views that are for leaks.
     """
 
@@ -50,18 +51,19 @@ def diffuse_indirect(rendering: Rendering) -> np.ndarray:
     return rendering.pictures["indirect"] - rendering.specular
 
 
-def constant(view: View) -> Choice:
-    """One irradiance everywhere, with the mean of the first bounce in this view; or, for a view that is to be dark, in
-    the lit one beside it."""
+def constant(view: View, light: str = "first_bounce") -> Choice:
+    """One irradiance everywhere, with the mean of the reference's `light` in this view; or, for a view that is to be
+    dark, in the lit one beside it."""
     lit = views([view.lit_by])[0] if view.lit_by else view
-    dark, known = _direct(lit)[0], reference(lit)
+    dark, known = _direct(lit)[0], reference(lit, light)
     return fitted_constant(known, dark.albedo, known.mask & dark.mask)
 
 
-def scores(view: View, techniques: Sequence[str] = TECHNIQUES) -> list[Score]:
-    """The techniques, then `constant` and `black`. Raises NeedsData, and OctoluxError for an unknown technique."""
+def scores(view: View, techniques: Sequence[str] = TECHNIQUES, light: str = "first_bounce") -> list[Score]:
+    """The techniques, then `constant` and `black`, against a light of LIGHTS. Raises NeedsData, and OctoluxError for an
+    unknown technique."""
     measured = choices(list(techniques))
-    return [score(view, one, picture(view, one)) for one in (*measured, constant(view), black())]
+    return [score(view, one, picture(view, one), light) for one in (*measured, constant(view, light), black())]
 
 
 def picture(view: View, one: Choice) -> Rendering:
@@ -69,17 +71,16 @@ def picture(view: View, one: Choice) -> Rendering:
     return _direct(view)[0] if one.label == "black" else studio(view).render(one)
 
 
-def score(view: View, one: Choice, rendering: Rendering) -> Score:
+def score(view: View, one: Choice, rendering: Rendering, light: str = "first_bounce") -> Score:
     """The rendering against the view's references."""
-    first, every = reference(view, "first_bounce"), reference(view, "all_indirect")
-    mask, found = first.mask & rendering.mask, diffuse_indirect(rendering)
-    errors = relative_errors(found, *first.halves["indirect"], mask, first.pictures["indirect"])
+    known, every = reference(view, light), reference(view, "all_indirect")
+    mask, found = known.mask & rendering.mask, diffuse_indirect(rendering)
+    errors = relative_errors(found, *known.halves["indirect"], mask, known.pictures["indirect"])
     energy = relative_errors(found, *every.halves["indirect"], mask, every.pictures["indirect"])["ratio"]
     level = _direct(view)[1]
     leaked = None
     if view.leaks and level:
-        light = rendering.pictures["direct"] + found
-        leaked = leak(light, *every.halves["final"], mask, level).score
+        leaked = leak(rendering.pictures["direct"] + found, *every.halves["final"], mask, level).score
     return Score(view.name, one.label, errors["ratio"], errors["rmse"], errors["trimmed"], energy, leaked)
 
 

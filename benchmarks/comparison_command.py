@@ -15,7 +15,7 @@ from octolux.output.atomic import replacing
 from octolux.scene.errors import OctoluxError
 
 from .comparison import Score, scores
-from .comparison_set import TECHNIQUES, View, views
+from .comparison_set import LIGHTS, TECHNIQUES, View, views
 from .lab import device
 from .registry import NeedsData
 from .tables import aligned, markdown
@@ -26,15 +26,18 @@ TITLES = ("view", "technique", "ratio", "rel. RMSE", "trimmed", "of all bounces"
 def _arguments(words: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks comparison", formatter_class=argparse.RawDescriptionHelpFormatter,
-        description="Diffuse indirect light against the path-traced first bounce: ratio of the means, relative RMSE,\n"
-        "the same without the worst 3 % of pixels; the mean over that of all bounces; the share of dark pixels\n"
-        "that are lit. docs/compare.md tells more.",
+        description="Diffuse indirect light against the path-traced first bounce, or all bounces: ratio of the means,\n"
+        "relative RMSE, the same without the worst 3 % of pixels; the mean over that of all bounces; the share of dark\n"
+        "pixels that are lit. docs/compare.md tells more.",
     )  # fmt: skip
     parser.add_argument("names", nargs="*", metavar="VIEW", help="views of the set; all by default")
     parser.add_argument(
         "--technique", action="append", metavar="NAME[:PRESET][,KEY=VALUE...]",
         help=f"repeat for more; by default {', '.join(TECHNIQUES)}. constant and black are always measured",
     )  # fmt: skip
+    parser.add_argument(
+        "--light", choices=LIGHTS, default=LIGHTS[0], help="what of the references it is measured against: %(default)s"
+    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the figures as JSON too")
     parser.add_argument("--markdown", type=Path, metavar="FILE", help="write the table as Markdown too")
     return parser.parse_args(words)
@@ -50,13 +53,13 @@ def rows(found: Sequence[Score]) -> list[tuple[str, ...]]:
     return lines
 
 
-def measure(wanted: Sequence[View], techniques: Sequence[str]) -> list[Score]:
+def measure(wanted: Sequence[View], techniques: Sequence[str], light: str = LIGHTS[0]) -> list[Score]:
     """The scores of all views whose data is there; the others are named on stderr."""
     found: list[Score] = []
     for number, view in enumerate(wanted, 1):
         print(f"[{number}/{len(wanted)}] {view.name}", file=sys.stderr, flush=True)
         try:
-            found += scores(view, techniques)
+            found += scores(view, techniques, light)
         except NeedsData as missing:
             print(f"{view.name}: left out, needs OCTOLUX_DATA ({missing})", file=sys.stderr)
     return found
@@ -77,7 +80,7 @@ def main(words: Sequence[str]) -> int:
         for path in filter(None, (arguments.json, arguments.markdown)):
             if not path.resolve().parent.is_dir():
                 raise OctoluxError(f"{path}: there is no folder '{path.parent}'. Make it first.")
-        adapter, found = device().adapter_name, measure(wanted, techniques)
+        adapter, found = device().adapter_name, measure(wanted, techniques, arguments.light)
         lines = rows(found)
         print(f"adapter: {adapter}\n\n{aligned(lines)}")
         data = {"adapter": adapter, "scores": [asdict(one) for one in found]}

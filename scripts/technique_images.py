@@ -2,8 +2,8 @@
 `.venv/bin/python scripts/technique_images.py uniform-lpv[:PRESET][,KEY=VALUE...] [VIEW ...]`.
 
 One strip for each view: the final picture, the reference's (all bounces); the indirect light, the reference's (first
-bounce); and the signed difference of these two, blue where it is too dark, red where it is too bright, full colour from
-the reference's mean on. Views whose data is not there are left alone.
+bounce, or all where the technique has several); and the signed difference of these two, blue where it is too dark, red
+where it is too bright, full colour from the reference's mean on. Views whose data is not there are left alone.
 """
 
 from __future__ import annotations
@@ -32,17 +32,18 @@ FOLDER = ROOT / "docs" / "images"
 
 def strip(view: View, one: Choice) -> np.ndarray:
     """uint8 (height, 5 * width, 3). Indirect light is shown a stop brighter than the scene's exposure has it."""
-    first, every = reference(view, "first_bounce"), reference(view, "all_indirect")
+    several = getattr(one.settings, "bounces", 1) > 1
+    known, every = (reference(view, light) for light in ("all_indirect" if several else "first_bounce", "all_indirect"))
     rendering = comparison.picture(view, one)
-    indirect, mask = comparison.diffuse_indirect(rendering), first.mask & rendering.mask
+    indirect, mask = comparison.diffuse_indirect(rendering), known.mask & rendering.mask
     exposure = comparison.studio(view).scene.exposure or 0.0
     finals = (rendering.pictures["direct"] + indirect, every.pictures["direct"] + every.pictures["indirect"])
     shown = [signal(picture, exposure, "neutral") for picture in finals]
-    shown += [signal(picture, exposure - 1.0, "neutral") for picture in (indirect, first.pictures["indirect"])]
+    shown += [signal(picture, exposure - 1.0, "neutral") for picture in (indirect, known.pictures["indirect"])]
     pixels = [(255.0 * picture + 0.5).astype(np.uint8) for picture in shown]
     about = MAPS["brightness"]
     difference = colour_maps.levels(
-        brightness_map(indirect, first.pictures["indirect"], mask), about["low"], about["high"]
+        brightness_map(indirect, known.pictures["indirect"], mask), about["low"], about["high"]
     )
     return np.concatenate([*pixels, colour_maps.palette(about["colours"])[difference]], axis=1)
 

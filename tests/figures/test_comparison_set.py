@@ -203,11 +203,19 @@ def test_wrong_words(monkeypatch, capsys, words, says):
 def test_missing_data_leaves_views_out(monkeypatch, capsys, tmp_path):
     """Whatever other tests have loaded and kept: the scores are asked for without what is cached."""
     monkeypatch.setenv("OCTOLUX_DATA", str(tmp_path))
-    monkeypatch.setattr(comparison_command, "scores", lambda view, techniques: reference.__wrapped__(view))
+    monkeypatch.setattr(comparison_command, "scores", lambda view, techniques, light: reference.__wrapped__(view))
     assert comparison_command.main(["cornell_point", "--technique", "none"]) == 0
     told = capsys.readouterr()
     assert "cornell_point: left out, needs OCTOLUX_DATA (ground-truth/cornell_point.npz)" in told.err
     assert told.out.splitlines()[-1].startswith("view")
+
+
+def test_scores_against_all_bounces(small):
+    """`constant` has the mean of what it is asked to stand for; `black` errs by all of it."""
+    found = by_name(comparison.scores(small, ["none"], "all_indirect"))
+    assert found["constant"].ratio == pytest.approx(1.0, abs=0.02)
+    assert found["constant"].energy == pytest.approx(found["constant"].ratio)
+    assert found["black"].ratio == 0.0
 
 
 def test_foreign_references_are_not_made(capsys):
