@@ -27,8 +27,8 @@ def _arguments(words: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks comparison", formatter_class=argparse.RawDescriptionHelpFormatter,
         description="Diffuse indirect light against the path-traced first bounce, or all bounces: ratio of the means,\n"
-        "relative RMSE, the same without the worst 3 % of pixels; the mean over that of all bounces; the share of dark\n"
-        "pixels that are lit. docs/compare.md tells more.",
+        "relative RMSE, the same without the worst 3 % of pixels; the mean over that of all bounces; the share of\n"
+        "dark pixels that are lit. docs/compare.md tells more.",
     )  # fmt: skip
     parser.add_argument("names", nargs="*", metavar="VIEW", help="views of the set; all by default")
     parser.add_argument(
