@@ -4,7 +4,8 @@ Kaplanyan & Dachsbacher 2010, 7 reflect light at the geometry volume while it is
 light arrives at once, so a bounce is a whole gathering: irradiance on the six faces of each cell that lies before
 surfaces (gathering.py), times the shares of the cell's cross section that face each way, times their albedo. These
 shares are of area times the squares of the normal's components (`squares` of the device's reflectors.py), as a surface
-reads the cube of irradiance by them (gathering.read_cube): it then receives what its area and its irradiance say.
+reads the cube of irradiance by them (gathering.read_cube): it then receives what its area and its irradiance say. No
+bounce lands with more than was sent (`_kept`).
 
 Light arrives in the cells of the last window, which is whole: it changes slowly, but for what comes from near by. What
 the surfaces of finer windows reflect is made of the same irradiance, filtered between those cells.
@@ -66,9 +67,20 @@ def irradiance(
     for _ in range(count):
         found = np.zeros_like(total)
         found[z, y, x] = gather(cells, light_nodes(current), 1.0, geometry)
+        found *= _kept(current, reflectors, found)
         total += found
         current = reflected(reflectors, found)
     return total
+
+
+def _kept(light: np.ndarray, reflectors: np.ndarray, cube: np.ndarray) -> np.ndarray:
+    """Share (3,) of what has been gathered that can have arrived: all light lands once at most, on all surfaces
+    together no more than was sent. Where surfaces fill many cells side by side they would receive more than that, as
+    cells that are next to one another do not block; with light enough going round it would grow by each bounce."""
+    white = np.array(reflectors, dtype=np.float64)
+    white[..., 2, :3] = 1.0
+    received, sent = (cells[..., 0].sum(axis=(0, 1, 2)) for cells in (reflected(white, cube), light))
+    return np.minimum(1.0, sent / np.where(received > 0.0, received, 1.0))
 
 
 def injected_bounces(

@@ -13,12 +13,15 @@ from ....simulator.lpv.octree import level_sizes
 from ..constants import SH_CONSTANTS
 from ..downsampling import Downsampling
 from ..gathering.gathering import Gathering
+from ..injection import atomic_words
 from ..levels import Levels
 from ..windows import WINDOW, windows_binding
 
+_ALL = 1 << 26  # all that has been sent, in fixed point: surfaces may receive up to 64 times as much
+
 
 class Bounces:
-    """Adds light of `count` further bounces to what has been injected.
+    """Adds light of `count` further bounces to what has been injected. No bounce lands with more than was sent.
 
     Light arrives at the surfaces in the cells of the last window, which is whole: cubes of irradiance, gathered as the
     picture's are. What the surfaces of finer windows reflect is made of these cubes, filtered.
@@ -34,6 +37,7 @@ class Bounces:
         self._light = device.buffer("LPV bounced light", size=whole.cells * 48)
         nested = Levels([n] * windows, windows)
         self._nested = device.buffer("LPV nested light", size=nested.cells * 48) if windows > 1 else None
+        self._received = device.buffer("LPV received light", size=16)
         self._into_last = Downsampling(device, nested, per_cell=3)
         usage = TEXTURE | STORAGE | COPY
         self._sums = [
@@ -53,12 +57,19 @@ class Bounces:
             device, "mark reflectors", "techniques/lpv/bouncing/mark_reflectors.wgsl",
             [reflectors, storage_rw("marks", "u32", "write")], workgroup=(64, 1, 1), **values,
         )  # fmt: skip
+        peak = storage("peak", "u32")
+        values["one"] = _ALL
+        self._measure = ComputePass(
+            device, "measure bounce", "techniques/lpv/bouncing/measure.wgsl",
+            [reflectors, cube, peak, storage("light", "vec4f"), atomic_words("received", "u32")], workgroup=(4, 4, 4),
+            last_cell=self._gathering.levels.cells - 1, **values,
+        )  # fmt: skip
         self._reflect = [
             ComputePass(
                 device, "reflect", "techniques/lpv/bouncing/reflect.wgsl",
                 [reflectors, cube, *([] if first else [texture("sum_so_far", "float", "3d")]),
-                 storage_texture("sum_out", "rgba16float", "3d"), storage_rw("light", "vec4f", "write"),
-                 storage("peak", "u32")],
+                 storage_texture("sum_out", "rgba16float", "3d"), storage_rw("light", "vec4f", "write"), peak,
+                 storage("received", "u32")],
                 workgroup=(4, 4, 4), first=first, **values,
             ) for first in (True, False)
         ]  # fmt: skip
@@ -82,11 +93,12 @@ class Bounces:
         for bounce in range(self._count):
             self._gathering.update(stage, self._light)
             self._gathering.gather(stage, peak, packed_shares)
+            stage.encoder.clear_buffer(self._received)
+            given = {"reflectors": reflectors, "cube": self._gathering.cube, "peak": peak, "light": self._light,
+                     "received": self._received}  # fmt: skip
+            self._measure.run(stage, (n, n, n), **given)
             before = {} if bounce == 0 else {"sum_so_far": so_far}
-            self._reflect[bounce > 0].run(
-                stage, (n, n, n), reflectors=reflectors, cube=self._gathering.cube, **before, sum_out=target,
-                light=self._light, peak=peak,
-            )  # fmt: skip
+            self._reflect[bounce > 0].run(stage, (n, n, n), **given, **before, sum_out=target)
             so_far, target = target, so_far
         self._inject.run(
             stage, (n, n, n * self._windows), reflectors=reflectors, cube=so_far, volume_sampler=self._sampler,

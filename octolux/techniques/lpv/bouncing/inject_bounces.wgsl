@@ -1,7 +1,6 @@
 // Adds what surfaces reflect of all bounces to the light of each window where no finer one is. Irradiance is that of the last
 // window's cells around a cell's middle which have any.
 {{ use("techniques/lpv/bouncing/reflected.wgsl") }}
-{{ use("techniques/lpv/storage_scale.wgsl") }}
 
 // Fine cells lie close before their surfaces, and would have part of what arrives behind them: what a face receives is read
 // as far before it as a cell of the last window lies on average.

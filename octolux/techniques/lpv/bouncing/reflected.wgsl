@@ -1,8 +1,7 @@
 // What the surfaces of a cell send back (simulator/lpv/bouncing.py): of irradiance on its six faces times the square of a cell
 // size, the flux that they receive and reflect, as a cosine lobe along each face's normal.
 {{ use("shaders/sh.wgsl") }}
-
-struct Cube { x: mat2x3f, y: mat2x3f, z: mat2x3f } // towards the upper and the lower end of each axis
+{{ use("techniques/lpv/bouncing/cube.wgsl") }}
 
 struct Light { red: vec4f, green: vec4f, blue: vec4f } // order 1, y, z, x
 
