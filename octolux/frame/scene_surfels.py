@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from ..gpu.records import record_texture, records, records_out, word_texture, wo
 from ..gpu_scene.clusters import CLUSTER_TRIANGLES
 from ..gpu_scene.gpu_scene import GpuScene
 from ..gpu_scene.instances import Drawn
+from ..scene.materials import Material
 from ..simulator.surfels import lattice_samples
 from .frame import Frame
 from .shader_values import surface_values
@@ -21,7 +23,7 @@ from .structs import VIEW, VPL
 from .traits import TRAIT_VALUES
 
 # A place on a triangle: its number as the visibility buffer has it, less one; weights of its second and third corner;
-# and what it stands for of the triangle's area.
+# and what it stands for of the triangle's area, negative for the side that looks the other way.
 SAMPLE = Struct("SurfelSample", triangle="u32", second="f32", third="f32", share="f32")
 RANGE = Struct("SurfelRange", count="u32")
 MOST = 1 << 20
@@ -47,11 +49,12 @@ class SceneSurfels:
     def run(self, frame: Frame, origin: np.ndarray, spacing: float) -> None:
         """Bring them to where the scene's surfaces are now. Samples are chosen when its triangles are others than
         before, on a lattice of `spacing` (m), or a multiple of it if there would be more than MOST, from `origin`."""
-        scene = frame.gpu_scene
+        scene, materials = frame.gpu_scene, frame.scene.materials
         key = (spacing, scene.drawn.item_instance.tobytes(), scene.drawn.item_first.tobytes(),
-               *(len(slot.clusters.indices) for slot in scene.drawn.slots))  # fmt: skip
+               *(len(slot.clusters.indices) for slot in scene.drawn.slots),
+               *(materials[slot.mesh.material].double_sided for slot in scene.drawn.slots))  # fmt: skip
         if key != self._of:
-            self._choose(scene.drawn, origin, spacing)
+            self._choose(scene.drawn, frame.scene.materials, origin, spacing)
             self._of, self._moves = key, -1
         if self._moves == scene.moves or not self.count:
             return
@@ -73,11 +76,19 @@ class SceneSurfels:
             **surface_values(scene),
         )  # fmt: skip
 
-    def _choose(self, drawn: Drawn, origin: np.ndarray, spacing: float) -> None:
+    def _choose(self, drawn: Drawn, materials: Sequence[Material], origin: np.ndarray, spacing: float) -> None:
+        """Surfaces that are seen from both sides have a surfel for either: they reflect from cells of their own."""
         corners, numbers = world_triangles(drawn)
-        projected = np.abs(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])).max(axis=1).sum() / 2
+        both = np.concatenate([np.zeros(0, bool), *(
+            np.full(len(slot.clusters.indices), materials[slot.mesh.material].double_sided) for slot in drawn.slots
+        )])  # fmt: skip
+        across = np.abs(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])).max(axis=1) / 2
+        projected = across.sum() + across[both].sum()
         self.spacing = spacing * 2.0 ** max(0.0, np.ceil(0.5 * np.log2(max(projected / (MOST * spacing**2), 1.0))))
         triangle, weights, share = lattice_samples(corners, origin, self.spacing)
+        twice = np.flatnonzero(both[triangle])
+        triangle, weights = np.append(triangle, triangle[twice]), np.concatenate([weights, weights[twice]])
+        share = np.append(share, -share[twice])
         place = corners[triangle, 0] + np.einsum("mi,mij->mj", weights, corners[triangle, 1:] - corners[triangle, :1])
         order = _along_a_curve(place - origin, 2.0 * self.spacing)
         samples = SAMPLE.array(len(order))

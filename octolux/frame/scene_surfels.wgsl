@@ -1,5 +1,5 @@
-// Surfels of the scene's own surfaces, wherever they are: samples of triangles that keep their place on them as they move. Of
-// surfaces that are seen from both sides the area is negative (frame/structs.py, VPL).
+// Surfels of the scene's own surfaces, wherever they are: samples of triangles that keep their place on them as they move.
+// Of the other side of a surface that is seen from both the area is negative: it reflects, but blocks nothing more.
 {{ use("shaders/surface.wgsl") }}
 {{ use("shaders/traits.wgsl") }}
 
@@ -28,12 +28,14 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let uv1 = b.uv - a.uv;
     let uv2 = c.uv - a.uv;
     // As wide in uv as a square of the sample's area is there.
-    let width = sqrt(0.5 * sample.share * abs(uv1.x * uv2.y - uv1.y * uv2.x));
+    let share = abs(sample.share);
+    let width = sqrt(0.5 * share * abs(uv1.x * uv2.y - uv1.y * uv2.x));
     var color = vec4f(1.0);
     {% if vertex_colors %}
     color = weights.x * unpack_color(a.color) + weights.y * unpack_color(b.color) + weights.z * unpack_color(c.color);
     {% endif %}
-    let normal = normalize(select(n, -n, instance.flipped == 1u));
+    let outward = normalize(select(n, -n, instance.flipped == 1u));
+    let normal = select(outward, -outward, sample.share < 0.0);
     let position = p + sample.second * e1 + sample.third * e2;
     let hit = Hit(position, 0.0, normal, instance.material, normal, vec4f(1.0, 0.0, 0.0, 1.0),
         a.uv + sample.second * uv1 + sample.third * uv2, log2_footprint(vec2f(width, 0.0), vec2f(0.0, width)), color);
@@ -43,8 +45,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     {% if unlit %}
     if material.unlit == 1u { albedo = vec3f(0.0); }
     {% endif %}
-    let area = 0.5 * twice * sample.share * coverage(base.a, material);
-    let sided = select(area, -area, material.double_sided == 1u);
+    let area = 0.5 * twice * share * coverage(base.a, material);
+    let sided = select(area, -area, sample.share < 0.0);
     store_surfels(index, Vpl(position, pack_unit_vector(normal), vec3f(0.0), select(0.0, sided, twice > 0.0)));
     store_surfaces(index, pack_traits(albedo, instance));
 }

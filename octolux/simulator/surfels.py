@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
+ASIDE = 2.0**-10, 0.618 * 2.0**-10
+"""Of the spacing, by which lines lie aside of the middle of the lattice's cells: else they would meet the diagonals of
+rectangles, which two triangles share."""
+
 _AT_ONCE = 1 << 22  # lattice points that are tried at a time: some 200 MB
 
 
 def lattice_samples(corners, origin, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Where the lines of a lattice along the axis that is nearest to each triangle's normal meet it.
 
-    corners: (T, 3, 3), world space.  origin: (3,), a corner of the lattice's cells, in whose middle the lines lie.
-    Returns the triangles' numbers, int64 (M,); weights of their second and third corner, float64 (M, 2); and what each
+    corners: (T, 3, 3), world space.  origin: (3,), a corner of the lattice's cells, in whose middle the lines lie, but for
+    ASIDE. Returns the triangles' numbers, int64 (M,); weights of their second and third corner, float64 (M, 2); and what each
     stands for of its triangle's area, float64 (M,).
 
     Each line stands for spacing^2 across the axis. So of a wall across it any square of k spacings, on the lattice,
@@ -21,7 +25,7 @@ def lattice_samples(corners, origin, spacing: float) -> tuple[np.ndarray, np.nda
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     axis = np.abs(normal).argmax(axis=1)
     across = np.stack([(axis + 1) % 3, (axis + 2) % 3], axis=1)[:, None, :]
-    flat = (np.take_along_axis(corners - np.asarray(origin), across, axis=2)) / spacing - 0.5
+    flat = (np.take_along_axis(corners - np.asarray(origin), across, axis=2)) / spacing - 0.5 - np.array(ASIDE)
     area = np.take_along_axis(normal, axis[:, None], axis=1)[:, 0] / spacing**2  # twice, with the sense of the winding
     low, high = np.ceil(flat.min(axis=1)).astype(np.int64), np.floor(flat.max(axis=1)).astype(np.int64)
     size = np.where((area != 0.0)[:, None], np.maximum(high - low + 1, 0), 0)

@@ -42,8 +42,8 @@ def random_surfels(rng, count: int, area: float) -> np.ndarray:
 
 
 def surfels_of(vpls: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, Grid]:
-    """As the simulator takes them. An area is negative where a surface is seen from both sides."""
-    return vpls["position"].astype(np.float64), unpack_normals(vpls["normal"]), np.abs(vpls["area"].astype(float)), GRID
+    """As the simulator takes them."""
+    return vpls["position"].astype(np.float64), unpack_normals(vpls["normal"]), vpls["area"].astype(np.float64), GRID
 
 
 def inject(vpls: np.ndarray) -> reference.Planes:

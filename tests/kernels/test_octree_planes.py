@@ -8,7 +8,7 @@ from gpu_tools import one_stage, read_buffer
 from test_octree_geometry import GRID, LEVELS, N, cell_numbers, inject, random_surfels, run, too_many
 
 from octolux.frame.structs import VPL
-from octolux.simulator.camera import pack_normals
+from octolux.simulator.camera import pack_normals, unpack_normals
 from octolux.simulator.lpv import geometry as reference
 from octolux.techniques.lpv.geometry import GeometryVolume, fixed_point_wall
 
@@ -77,8 +77,9 @@ def test_planes_have_the_same_bits_in_any_order(device, with_planes):
     assert len(np.unique(seen[0][0][2])) > 1000
 
 
-def closed_box(sides: int) -> np.ndarray:
-    """In the cell (5, 5, 5), as wide as a half of it and 64 surfels on each side; `sides` -1: seen from both sides."""
+def closed_box(twofold: bool) -> np.ndarray:
+    """In the cell (5, 5, 5), as wide as a half of it and 64 surfels on each side; `twofold`: with those of the inside,
+    whose areas are negative."""
     steps = 0.25 + (np.arange(8) + 0.5) / 16
     a, b = (v.ravel() for v in np.meshgrid(steps, steps))
     vpls = VPL.array(6 * 64)
@@ -87,15 +88,17 @@ def closed_box(sides: int) -> np.ndarray:
         within = np.insert(np.stack([a, b], axis=-1), axis, 0.5 + 0.25 * side, axis=-1)
         face["position"] = GRID.origin + GRID.cell_size * (5.0 + within)
         face["normal"] = pack_normals(side * np.eye(3)[axis])
-    vpls["area"] = sides * (GRID.cell_size / 16) ** 2
-    return vpls
+    vpls["area"] = (GRID.cell_size / 16) ** 2
+    inside = vpls.copy()
+    inside["normal"], inside["area"] = pack_normals(-unpack_normals(vpls["normal"])), -vpls["area"]
+    return np.concatenate([vpls, inside]) if twofold else vpls
 
 
-@pytest.mark.parametrize("sides", [1, -1])
-def test_a_closed_box_blocks_once(device, with_planes, sides):
+@pytest.mark.parametrize("twofold", [False, True])
+def test_a_closed_box_blocks_once(device, with_planes, twofold):
     """A quarter of its cell along each axis, and of that a quarter on each level above. Packed normals are turned by
     up to 6.5e-5 (`pack_normals`), so that each of four sides beside an axis may bring as much of itself: 2.6e-4."""
-    run(device, with_planes, [closed_box(sides)])
+    run(device, with_planes, [closed_box(twofold)])
     for i, level in enumerate(planes_of(device, with_planes)):
         at = (5 >> i,) * 3
         np.testing.assert_allclose(level.shares[at], 0.25 / 4**i, rtol=3e-4)

@@ -6,15 +6,15 @@
 {{ use("shaders/traits.wgsl") }}
 {{ use("techniques/lpv/cell_in_grids.wgsl") }}
 
-struct Surfel { position: vec3f, normal: vec3f, area: f32 } // no area: nothing is there; negative: seen from both sides
+struct Surfel { position: vec3f, normal: vec3f, area: f32 } // no area: nothing is there
 // Up to a whole wall along each axis, towards its upper and its lower end; red, green, blue and area.
 struct Sums { upper: vec3u, lower: vec3u, tint: vec4u }
 
 fn sums_of(surfel: Surfel, albedo: vec3f, per_area: f32) -> Sums {
-    let walls = abs(surfel.area) * per_area;
+    let walls = surfel.area * per_area;
     let facing = {{ "surfel.normal * abs(surfel.normal)" if squares else "surfel.normal" }};
-    let upper = {{ one }}.0 * min(vec3f(1.0), select(max(vec3f(0.0), facing), abs(facing), surfel.area < 0.0) * walls);
-    let lower = {{ one }}.0 * min(vec3f(1.0), select(max(vec3f(0.0), -facing), abs(facing), surfel.area < 0.0) * walls);
+    let upper = {{ one }}.0 * min(vec3f(1.0), max(vec3f(0.0), facing) * walls);
+    let lower = {{ one }}.0 * min(vec3f(1.0), max(vec3f(0.0), -facing) * walls);
     let tint = vec4f(albedo, 1.0) * (min({{ most_walls }}.0, walls) * {{ tint_one }}.0);
     return Sums(vec3u(round(upper)), vec3u(round(lower)), vec4u(round(tint)));
 }
@@ -63,7 +63,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             let number = start + i * surfels.width;
             let surfel = surfel_at(number);
             let cell = held_by(id.y, surfel.position, {{ offset }} * surfel.normal).cell;
-            let used = surfel.area != 0.0 && cell != NOWHERE;
+            let used = surfel.area > 0.0 && cell != NOWHERE;
             one = select(one, cell, used && one == NOWHERE);
             other = select(other, cell, used && cell != one && other == NOWHERE);
             if used && cell != one && cell != other { break; }

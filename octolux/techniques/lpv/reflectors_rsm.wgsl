@@ -4,7 +4,7 @@
 
 fn surfel_at(number: u32) -> Surfel {
     let vpl = load_vpls(surfels.first + number);
-    return Surfel(vpl.position, unpack_unit_vector(vpl.normal), vpl.area);
+    return Surfel(vpl.position, unpack_unit_vector(vpl.normal), abs(vpl.area));
 }
 
 fn traits_at(number: u32) -> u32 { return load_surfaces(surfels.first + number); }

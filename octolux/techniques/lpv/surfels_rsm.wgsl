@@ -4,5 +4,5 @@
 
 fn surfel_at(number: u32) -> Surfel {
     let vpl = load_vpls(surfels.first + number);
-    return Surfel(vpl.position, unpack_unit_vector(vpl.normal), abs(vpl.area));
+    return Surfel(vpl.position, unpack_unit_vector(vpl.normal), vpl.area);
 }
