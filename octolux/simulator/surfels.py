@@ -14,9 +14,9 @@ _AT_ONCE = 1 << 22  # lattice points that are tried at a time: some 200 MB
 def lattice_samples(corners, origin, spacing: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Where the lines of a lattice along the axis that is nearest to each triangle's normal meet it.
 
-    corners: (T, 3, 3), world space.  origin: (3,), a corner of the lattice's cells, in whose middle the lines lie, but for
-    ASIDE. Returns the triangles' numbers, int64 (M,); weights of their second and third corner, float64 (M, 2); and what each
-    stands for of its triangle's area, float64 (M,).
+    corners: (T, 3, 3), world space.  origin: (3,), a corner of the lattice's cells, in whose middle the lines lie, but
+    for ASIDE. Returns the triangles' numbers, int64 (M,); weights of their second and third corner, float64 (M, 2); and
+    what each stands for of its triangle's area, float64 (M,).
 
     Each line stands for spacing^2 across the axis. So of a wall across it any square of k spacings, on the lattice,
     has k^2 samples, neither more nor fewer; and triangles smaller than the spacing are met as often as their size says.
