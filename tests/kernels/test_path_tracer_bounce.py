@@ -50,7 +50,7 @@ def run(device, mode: str, inputs, outputs: int, environment=DARK, emitters=NO_E
          storage_words("emitters", EMITTER), texture("sky_table"), *SurroundingsMap.bindings()],
         structs=[PATHS, LIGHT, EMITTER, ENVIRONMENT], workgroup=(64, 1, 1), threads=len(data), mode=mode, row=ROW,
         inputs=data.shape[1], outputs=outputs, sky=1, emitters=True, emissive=False, area_lights=0, lamps=0, cut=False,
-        slots=set(), shadows=False, luminance=f"vec3f({', '.join(map(str, LUMINANCE))})", **CONSTANTS,
+        particles=False, slots=set(), shadows=False, luminance=f"vec3f({', '.join(map(str, LUMINANCE))})", **CONSTANTS,
     )  # fmt: skip
     with one_stage(device) as stage:
         kernel.run(
