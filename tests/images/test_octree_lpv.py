@@ -16,7 +16,6 @@ from octolux.scene.lights import DirectionalLight, PointLight, SpotLight
 from octolux.scene.load import load_scene
 from octolux.scene.materials import Material
 from octolux.scene.meshes import Mesh
-from octolux.scene.scene import Scene
 from octolux.simulator.lpv.propagation import total_flux
 from octolux.techniques.lpv.octree.settings import OctreeLpvSettings
 from octolux.techniques.settings import SettingsError
@@ -36,35 +35,6 @@ def renderer(device, scene, preset="default", size=SIZE, anti_aliasing="off", **
 
 def indirect(picture) -> np.ndarray:
     return picture.layers["indirect"]
-
-
-@pytest.mark.parametrize("preset", WAYS)
-def test_the_same_bits(device, preset):
-    """In a second frame, after another scene's, and on a device of its own."""
-    scene = load_scene("cornell-box")
-    made = renderer(device, scene, preset)
-    first = made.render()
-    made.scene = load_scene("furnace")
-    made.render(front_camera(0.5))
-    made.scene = scene
-    for again in (made.render(), renderer(Device(), scene, preset).render()):
-        assert np.array_equal(first.radiance, again.radiance) and np.array_equal(first.display, again.display)
-    assert indirect(first).any()
-
-
-@pytest.mark.parametrize("preset", WAYS)
-def test_nothing_shines(device, preset):
-    scene = load_scene("cornell-box")
-    scene.lights, scene.materials = [], [replace(m, emissive=(0.0, 0.0, 0.0)) for m in scene.materials]
-    picture = renderer(device, scene, preset).render()
-    assert picture.mask.any() and not picture.radiance.any()
-
-
-@pytest.mark.parametrize("preset", WAYS)
-@pytest.mark.parametrize("lights", [[], [LAMP]], ids=["dark", "lit"])
-def test_an_empty_scene(device, preset, lights):
-    picture = renderer(device, Scene(lights=lights, exposure=0.0), preset).render(front_camera())
-    assert not picture.mask.any() and not picture.radiance.any()
 
 
 @pytest.mark.parametrize("preset", WAYS)
