@@ -46,9 +46,10 @@ class SceneSurfels:
         self._pass_of = -1
         self._range = device.uniform("surfel range", RANGE.array(1))
 
-    def run(self, frame: Frame, origin: np.ndarray, spacing: float) -> None:
-        """Bring them to where the scene's surfaces are now. Samples are chosen when its triangles are others than
-        before, on a lattice of `spacing` (m), or a multiple of it if there would be more than MOST, from `origin`."""
+    def run(self, frame: Frame, origin: np.ndarray, spacing: float) -> bool:
+        """Bring them to where the scene's surfaces are now; returns whether anything is other than before. Samples are
+        chosen when its triangles are others, on a lattice of `spacing` (m), or a multiple of it if there would be more
+        than MOST, from `origin`."""
         scene, materials = frame.gpu_scene, frame.scene.materials
         key = (spacing, scene.drawn.item_instance.tobytes(), scene.drawn.item_first.tobytes(),
                *(len(slot.clusters.indices) for slot in scene.drawn.slots),
@@ -56,8 +57,11 @@ class SceneSurfels:
         if key != self._of:
             self._choose(scene.drawn, frame.scene.materials, origin, spacing)
             self._of, self._moves = key, -1
-        if self._moves == scene.moves or not self.count:
-            return
+        if self._moves == scene.moves:
+            return False
+        self._moves = scene.moves
+        if not self.count:
+            return True
         if self._pass is None or self._pass_of != scene.version:
             self._pass, self._pass_of = self._made(scene), scene.version
         with frame.profiler.stage("scene surfels") as stage:
@@ -66,7 +70,7 @@ class SceneSurfels:
                 stage, threads, scene.resources, samples=self._samples, surfels=self.surfels, surfaces=self.surfaces,
                 range=self._range,
             )  # fmt: skip
-        self._moves = scene.moves
+        return True
 
     def _made(self, scene: GpuScene) -> ComputePass:
         return ComputePass(

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from test_simulator_cascades import vpls_in
 
 from octolux.simulator import sh
 from octolux.simulator.grid import Grid
 from octolux.simulator.lpv import bouncing, cascades
-from octolux.simulator.lpv.gathering import SIDE
+from octolux.simulator.lpv.gathering import SIDE, first_moments
 from octolux.simulator.lpv.propagation import total_flux
+from octolux.simulator.lpv.reflectors import inject_places, inject_reflectors, merge_reflectors
 from octolux.simulator.lpv.transfer import DIRECTIONS
 
 N = 16
+VOLUME = Grid((0.0, 0.0, 0.0), 1.0, N)
 
 
 def facing(n: int, cells, face: int, share: float, albedo) -> np.ndarray:
@@ -36,6 +39,18 @@ def room(albedo: float) -> np.ndarray:
     lit = result[..., :2, :].sum(axis=(-1, -2)) > 0
     result[lit, 2, :3] = albedo
     return result
+
+
+def places_of(reflectors: np.ndarray) -> np.ndarray:
+    """Of surfaces that lie on the sides of their cells that they face away from: [z][y][x][3]."""
+    shares = np.concatenate([reflectors[..., 0, :], reflectors[..., 1, :2]], axis=-1)
+    whole = shares.sum(axis=-1, keepdims=True)
+    return -0.5 * (shares @ DIRECTIONS) / np.where(whole > 0.0, whole, 1.0)
+
+
+def arrived(light: np.ndarray, reflectors: np.ndarray, count: int, moments: np.ndarray | None = None) -> np.ndarray:
+    moments = first_moments(light) if moments is None else moments
+    return bouncing.irradiance(light, reflectors, count, moments=moments, places=places_of(reflectors))
 
 
 def test_a_face_sends_back_its_share():
@@ -62,55 +77,59 @@ def test_a_closed_room_keeps_its_light(albedo):
     """
     light = np.zeros((N, N, N, 3, 4))
     light[1:-1, 1, 1:-1] = sh.cosine_lobe([0.0, 1.0, 0.0]) / np.pi
-    walls, before, current = room(albedo), total_flux(light)[0], light
+    walls, flux, current, moments = room(albedo), [total_flux(light)[0]], light, first_moments(light)
     for _ in range(3):
-        current = bouncing.reflected(walls, bouncing.irradiance(current, walls, 1))
-        kept = total_flux(current)[0] / (albedo * before)
-        assert 1.0 - 4.0 / (N - 2) * SIDE < kept < 1.0
-        before = total_flux(current)[0]
-    together = total_flux(bouncing.reflected(walls, bouncing.irradiance(light, walls, 3)))[0]
-    assert together == pytest.approx(sum(self_flux(light, walls, k) for k in (1, 2, 3)), rel=1e-9)
-
-
-def self_flux(light: np.ndarray, walls: np.ndarray, count: int) -> float:
-    """Flux after the bounce number `count` alone."""
-    for _ in range(count):
-        light = bouncing.reflected(walls, bouncing.irradiance(light, walls, 1))
-    return total_flux(light)[0]
+        current = bouncing.reflected(walls, arrived(current, walls, 1, moments))
+        moments = bouncing.moments_at(current, places_of(walls))
+        flux.append(total_flux(current)[0])
+        assert 1.0 - 4.0 / (N - 2) * SIDE < flux[-1] / (albedo * flux[-2]) < 1.0
+    together = total_flux(bouncing.reflected(walls, arrived(light, walls, 3)))[0]
+    assert together == pytest.approx(sum(flux[1:]), rel=1e-9)
 
 
 def test_nothing_is_reflected_where_nothing_is():
     light = np.zeros((N, N, N, 3, 4))
     light[3, 3, 3] = sh.cosine_lobe([1.0, 0.0, 0.0])
-    assert not bouncing.irradiance(light, np.zeros((N, N, N, 3, 4)), 2).any()
+    assert not arrived(light, np.zeros((N, N, N, 3, 4)), 2).any()
     black = facing(N, (slice(9, 10), slice(0, N), slice(0, N)), 1, 1.0, (0.0, 0.0, 0.0))
-    assert not bouncing.reflected(black, bouncing.irradiance(light, black, 1)).any()
-
-
-def test_coarser_reflectors_keep_area_and_albedo():
-    """A wall in fine cells is the same wall in coarse ones: share 1, its albedo the mean of its parts."""
-    windows = cascades.place_windows(N, 2, Grid((0, 0, 0), 1.0, N), [8.0, 8.0, 8.0], [1.0, 0.0, 0.0])
-    x, y, z = np.array(windows[0].origin)
-    fine = facing(N, (slice(4, 5), slice(0, N), slice(0, N)), 0, 1.0, (0.2, 0.4, 0.6))
-    fine[: N // 2, :, 4, 2, :3] = (0.4, 0.4, 0.2)
-    whole = bouncing.with_children([fine, np.zeros((N, N, N, 3, 4))], windows)[1]
-    at = (slice(z // 2, z // 2 + N // 2), slice(y // 2, y // 2 + N // 2), x // 2 + 2)
-    np.testing.assert_allclose(whole[at][..., 0, 0], 1.0)
-    np.testing.assert_allclose(whole[at][0, 0, 2, :3], (0.4, 0.4, 0.2), rtol=1e-12)
-    np.testing.assert_allclose(whole[at][-1, 0, 2, :3], (0.2, 0.4, 0.6), rtol=1e-12)
-    assert whole[..., :2, :].sum() == pytest.approx((N // 2) ** 2)
+    assert not bouncing.reflected(black, arrived(light, black, 1)).any()
 
 
 def test_even_irradiance_is_reflected_alike_in_all_windows():
-    """Each window's surfaces send back share, albedo and area of what arrives, whatever their cell size; where a finer
-    window is, a coarser one sends nothing."""
-    windows = cascades.place_windows(N, 3, Grid((0, 0, 0), 1.0, N), [7.0, 9.0, 8.0], [0.6, 0.0, 0.8])
+    """Each window's surfaces send back share, albedo and area of what arrives, whatever their cell size, and whether a
+    finer window is there or not."""
+    windows = cascades.place_windows(N, 3, VOLUME, [7.0, 9.0, 8.0], [0.6, 0.0, 0.8])
     walls = [np.zeros((N, N, N, 3, 4)) for _ in windows]
     for own in walls:
         own[..., 0, 3], own[..., 2, :3] = 0.5, (0.3, 0.6, 0.9)
     found = bouncing.injected_bounces(np.full((N, N, N, 6, 3), 2.0), np.ones((N, N, N), bool), walls, windows)
-    for number, (light, window) in enumerate(zip(found, windows, strict=True)):
-        sent = total_flux(light)
-        ratio = window.size / windows[-1].size
-        cells = N**3 - (N // 2) ** 3 * (number > 0)
-        np.testing.assert_allclose(sent, cells * ratio**2 * 2.0 * 0.5 * np.array([0.3, 0.6, 0.9]), rtol=1e-12)
+    for light, window in zip(found, windows, strict=True):
+        area = N**3 * (window.size / windows[-1].size) ** 2
+        np.testing.assert_allclose(total_flux(light), area * 2.0 * 0.5 * np.array([0.3, 0.6, 0.9]), rtol=1e-12)
+
+
+def bounced_in_the_last(position, vpls, surfels) -> tuple[np.ndarray, np.ndarray]:
+    """What the last of three windows around a camera has of two bounces, and the moments of that and of all it had."""
+    windows = cascades.place_windows(N, 3, VOLUME, position, [0.0, 0.0, 0.0])
+    light, placed = (of_windows[2] for of_windows in vpls_in(windows, VOLUME, vpls))
+    albedo = np.full((len(surfels[0]), 3), 0.5)
+    walls = [merge_reflectors([inject_reflectors(*surfels, albedo, grid, 0.5)])
+             for grid in cascades.grids_of(windows, VOLUME)]  # fmt: skip
+    places = inject_places(*surfels, VOLUME, 0.5)
+    found = bouncing.irradiance(light, walls[2], 2, moments=first_moments(light, placed=placed), places=places)
+    marked = walls[2][..., :2, :].sum(axis=(-1, -2)) > 0.0
+    bounced = bouncing.injected_bounces(found, marked, walls, windows)[2]
+    return bounced, first_moments(light, size=4.0, placed=placed) + bouncing.moments_at(bounced, places, size=4.0)
+
+
+def test_bounces_do_not_depend_on_where_finer_windows_lie():
+    """The last window's cells have the same light and moments."""
+    rng = np.random.default_rng(2)
+    normal, place = rng.normal(size=(2, 600, 3)), N * rng.random((2, 600, 3))
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    vpls = place[0], normal[0], rng.uniform(0.1, 1.0, (600, 3))
+    surfels = place[1], normal[1], rng.uniform(0.1, 0.5, 600)
+    one, other = (bounced_in_the_last(p, vpls, surfels) for p in ([3.0, 4.0, 5.0], [12.0, 9.0, 11.0]))
+    np.testing.assert_array_equal(one[0], other[0])
+    np.testing.assert_array_equal(one[1], other[1])
+    assert np.count_nonzero(one[0][..., 0, 0]) > 300

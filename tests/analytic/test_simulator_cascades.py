@@ -9,9 +9,11 @@ import pytest
 
 from octolux.simulator import sh
 from octolux.simulator.grid import Grid
-from octolux.simulator.lpv import cascades, gathering
-from octolux.simulator.lpv.geometry import Planes, plane_levels
-from octolux.simulator.lpv.octree import build_levels
+from octolux.simulator.lpv import cascades, gathering, injection
+from octolux.simulator.lpv.cones import FADE
+from octolux.simulator.lpv.emitted import Emitted
+from octolux.simulator.lpv.emitted import inject as inject_emitted
+from octolux.simulator.lpv.octree import level_sizes
 
 VOLUME = Grid((-3.0, 1.0, 2.0), 0.5, 32)
 
@@ -39,6 +41,12 @@ def test_windows_nest(n, count):
             least, most = -np.array(inner.origin), cells - np.array(inner.origin)  # the volume's ends
             low, high = np.maximum(inner.low, least), np.minimum(inner.high, most)
             assert np.all((low >= 0.5) | (least == 0)) and np.all((high <= n - 0.5) | (most == n))
+            first, last = inner.ends - np.array(inner.origin)
+            assert np.all((first >= 0.0) | (least == 0)) and np.all((last <= n) | (most == n))
+            # A level does not give way to the next where that itself does (cones.py, FADE).
+            begin, end = outer.ends - np.array(outer.origin)
+            assert np.all((corner + first / 2 - begin >= FADE) | (low == least))
+            assert np.all((end - corner - last / 2 >= FADE) | (high == most))
             alone = cascades.transition(n)
             assert np.all((corner + low / 2 >= np.array(outer.low) + alone - 1e-9) | (low == least))
             assert np.all((corner + high / 2 <= np.array(outer.high) - alone + 1e-9) | (high == most))
@@ -84,9 +92,10 @@ def test_weights_add_up_and_are_continuous():
 
 
 def test_weights_do_not_jump_when_windows_do():
-    """Of fixed places, while the camera goes a tenth of a cell at a time: by no more than that over the transition."""
+    """Of fixed places, while the camera goes a tenth of a cell at a time: by no more than that over the transition. As
+    little do the ends of ways."""
     points = np.array(VOLUME.origin) + 16.0 * np.random.default_rng(5).random((300, 3))
-    before, jumps, moved = None, 0.0, set()
+    before, ends, jumps, moved = None, np.zeros((2, 3)), 0.0, set()
     for step in range(400):
         position = VOLUME.origin + np.array([2.0 + 0.0125 * step, 8.0, 7.0])
         windows = cascades.place_windows(32, 3, VOLUME, position, [0.0, 0.6, 0.8])
@@ -95,31 +104,30 @@ def test_weights_do_not_jump_when_windows_do():
         moved.add(windows[0].origin)
         if before is not None:
             jumps = max(jumps, float(np.abs(shares - before).max()))
-        before = shares
+            assert np.abs(windows[0].ends - ends).max() <= 0.1 + 1e-9
+        before, ends = shares, windows[0].ends
     assert len(moved) > 5 and jumps <= 0.0125 / 0.125 / cascades.transition(32) + 1e-9
 
 
-def own_light(windows, n: int, seed: int = 3, lit: float = 0.02) -> list[np.ndarray]:
-    """Light [z][y][x][rgb][4] of each window in cells that no finer one holds."""
-    rng, result = np.random.default_rng(seed), []
-    for number in range(len(windows)):
-        light = np.zeros((n, n, n, 3, 4))
-        light[..., 0] = rng.uniform(0.1, 2.0, (n, n, n, 3)) * (rng.random((n, n, n, 1)) < lit)
-        if number:
-            x, y, z = np.array(windows[number - 1].origin) // 2 - windows[number].origin
-            light[z : z + n // 2, y : y + n // 2, x : x + n // 2] = 0.0
-        result.append(light)
-    return result
+def points_of_light(windows, volume: Grid, count: int) -> list[np.ndarray]:
+    """Light [z][y][x][rgb][4] that each window has of points anywhere in the volume, 1 lm each in every channel."""
+    edge = volume.n * volume.cell_size
+    position = volume.origin + edge * np.random.default_rng(3).random((count, 3))
+    points = Emitted(position, np.ones((count, 3)), np.tile([0.0, 0.0, 1.0], (count, 1)), np.zeros(count))
+    return list(inject_emitted(points, cascades.grids_of(windows, volume)))
 
 
 def test_light_is_kept_and_each_part_of_space_is_read_once():
-    """Every level holds the light within its reach, the coarsest all. Isotropic lights of 1 lm each, of which a cell
-    reads every one once, wherever it lies, but for its own cell's."""
-    n, count = 16, 3
-    windows = cascades.place_windows(n, count, Grid((0, 0, 0), 1.0, n), [5.0, 9.0, 6.0], [0.0, 0.6, 0.8])
-    own = own_light(windows, n)
-    levels = cascades.nested_levels(own, windows)
-    np.testing.assert_allclose(levels[-1].sum(axis=(0, 1, 2)), sum(o.sum(axis=(0, 1, 2)) for o in own), rtol=1e-12)
+    """Windows have the light within them, the coarsest all: a cell reads every light once, wherever it lies, but for
+    its own cell's."""
+    n, count, lights = 16, 3, 2000
+    volume = Grid((0, 0, 0), 1.0, n)
+    windows = cascades.place_windows(n, count, volume, [5.0, 9.0, 6.0], [0.0, 0.6, 0.8])
+    own = points_of_light(windows, volume, lights)
+    levels = cascades.window_levels(own)
+    assert [len(level) for level in levels] == [n] * (count - 1) + level_sizes(n)
+    for level in levels[count - 1 :]:
+        np.testing.assert_allclose(level[..., 0].sum(axis=(0, 1, 2)) / sh.Y0, lights, rtol=1e-12)
     nodes = cascades.window_nodes(own, windows)
     rng = np.random.default_rng(4)
     origins = [w.origin for w in windows]
@@ -136,40 +144,38 @@ def test_light_is_kept_and_each_part_of_space_is_read_once():
             read += chosen @ level.flux.sum(axis=-1)
         x, y, z = (cells - windows[base].origin).T
         here = levels[base][z, y, x, :, 0].sum(axis=-1) / sh.Y0  # band 0 is Y0 times the flux
-        np.testing.assert_allclose(read + here, levels[-1][0, 0, 0, :, 0].sum() / sh.Y0, rtol=1e-9)
+        np.testing.assert_allclose(read + here, 3.0 * lights, rtol=1e-9)
 
 
-def test_a_wall_through_nested_windows_stays_whole_and_where_it_is():
-    """Each window has of its own what no finer one holds: with its children's it has all of the wall within its reach,
-    at the same place, and in no other layer."""
-    n, place = 16, 30.3  # in cells of level 0
-    windows = cascades.place_windows(n, 3, Grid((0, 0, 0), 1.0, n), [5.0, 9.0, 6.0], [0.0, 0.6, 0.8])
-    own = []
-    for number, window in enumerate(windows):
-        shares, offsets = np.zeros((n, n, n, 3)), np.full((n, n, n, 3), place / window.size % 1.0)
-        shares[int(place / window.size) - window.origin[2], ..., 2] = 1.0
-        if number:
-            x, y, z = np.array(windows[number - 1].origin) // 2 - window.origin
-            shares[z : z + n // 2, y : y + n // 2, x : x + n // 2] = 0.0
-        own.append(Planes.sheets(shares, offsets))
-    for level, window in zip(cascades.nested_planes(own, windows), windows, strict=False):
-        layer = int(place / window.size) - window.origin[2]
-        assert 0 <= layer < n and np.count_nonzero(level.shares) == n * n
-        np.testing.assert_allclose(level.shares[layer, ..., 2], 1.0, rtol=1e-12)
-        np.testing.assert_allclose(level.offsets[layer, ..., 2], place / window.size % 1.0, rtol=1e-12)
-    alone = cascades.nested_planes(own[-1:], windows[-1:])
-    for ours, plain in zip(alone, plane_levels(own[-1]), strict=True):
-        assert np.array_equal(ours.shares, plain.shares) and np.array_equal(ours.offsets, plain.offsets)
+def vpls_in(windows, volume: Grid, vpls) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Light and moments of VPLs (position, normal, flux) in each window."""
+    grids = cascades.grids_of(windows, volume)
+    return [injection.inject(*vpls, g) for g in grids], [injection.inject_moments(*vpls, g) for g in grids]
+
+
+def test_distant_light_does_not_depend_on_where_windows_lie():
+    """What nodes of the last window and of the levels above hold, and where."""
+    rng, seen = np.random.default_rng(6), []
+    normal = rng.normal(size=(4000, 3))
+    vpls = (VOLUME.origin + 16.0 * rng.random((4000, 3)), normal / np.linalg.norm(normal, axis=1)[:, None],
+            rng.uniform(0.1, 1.0, (4000, 3)))  # fmt: skip
+    for position in ([1.0, 6.0, 5.0], [5.0, 13.0, 15.0]):
+        windows = cascades.place_windows(32, 3, VOLUME, position, [0.0, 0.6, 0.8])
+        light, moments = vpls_in(windows, VOLUME, vpls)
+        seen.append(cascades.window_nodes(light, windows, moments))
+    assert len(seen[0][0].cell) != len(seen[1][0].cell)
+    for one, other in zip(seen[0][2:], seen[1][2:], strict=True):
+        for name in ("cell", "place", "flux", "fraction", "direction"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
 
 
 def test_one_window_is_the_octree():
-    light = own_light([cascades.Window((0, 0, 0), 1, (-np.inf,) * 3, (np.inf,) * 3)], 16)[0]
-    windows = cascades.place_windows(16, 1, Grid((0, 0, 0), 1.0, 16), [0, 0, 0], [1, 0, 0])
+    volume = Grid((0, 0, 0), 1.0, 16)
+    windows = cascades.place_windows(16, 1, volume, [0, 0, 0], [1, 0, 0])
+    (light,) = points_of_light(windows, volume, 100)
     for ours, plain in zip(cascades.window_nodes([light], windows), gathering.light_nodes(light), strict=True):
         for name in ("cell", "place", "flux", "fraction"):
             np.testing.assert_array_equal(getattr(ours, name), getattr(plain, name))
-    for ours, plain in zip(cascades.nested_levels([light], windows), build_levels(light), strict=True):
-        np.testing.assert_array_equal(ours, plain)
 
 
 @pytest.mark.parametrize("arguments", [(32, 0), (24, 2), (0, 1)])

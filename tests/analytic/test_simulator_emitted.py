@@ -158,7 +158,8 @@ def test_parallel_light_has_the_longest_beam():
     assert 1.499 < beams.min() <= beams.max() <= emitted.MOST_BEAM
 
 
-def test_of_nested_grids_the_finest_that_holds_a_record_takes_it():
+def test_each_of_nested_grids_takes_what_it_holds():
+    """Moved by half a cell of its own."""
     fine, coarse = Grid((0.0, 0.0, 0.0), 0.5, 4), Grid((-1.0, -1.0, -1.0), 1.0, 4)
     turn = radians(30)
     records = emitted.Emitted(
@@ -168,10 +169,13 @@ def test_of_nested_grids_the_finest_that_holds_a_record_takes_it():
     )  # fmt: skip
     light = emitted.inject(records, [fine, coarse])
     # The second is moved out of the fine grid by 0.25 cos 30, the last one into it; the fourth leaves both.
-    np.testing.assert_allclose([sh.flux(level[..., 0, :]).sum() for level in light], [2.0, 2.0])
-    assert light[0, 0, 0, 0, 0, 0] > 0 and light[0, 0, 0, 0, 0, 0] == pytest.approx(2 * sh.COSINE_LOBE_0 / pi)
-    both = emitted.inject(records, [fine, coarse], every=True)
-    np.testing.assert_allclose([sh.flux(level[..., 0, :]).sum() for level in both], [2.0, 4.0])
+    np.testing.assert_allclose([sh.flux(level[..., 0, :]).sum() for level in light], [2.0, 4.0])
+    assert light[0, 0, 0, 0, 0, 0] == pytest.approx(2 * sh.COSINE_LOBE_0 / pi)
+    # From where they are, not from where they have been moved to: in cells from the middle.
+    moments = emitted.inject_moments(records, [fine, coarse]) / (3 * sh.COSINE_LOBE_0 / pi)
+    np.testing.assert_allclose(moments[0, 0, 0, 0], [0.0 - 0.9, 0.0 + 0.1, 0.0 + 0.1], atol=1e-12)
+    np.testing.assert_allclose(moments[1, 1, 1, 1], [-0.25 - 0.7, -0.25 - 0.2, -0.25 - 0.2], atol=1e-12)
+    np.testing.assert_allclose(moments[1, 2, 2, 3], [0.1 - 0.6, -0.5 - 0.5, -0.5 - 0.5], atol=1e-12)
 
 
 def test_no_sum_of_coefficients_exceeds_that_of_the_bound():

@@ -45,6 +45,31 @@ def test_vpls_outside_after_the_move_are_omitted():
     np.testing.assert_allclose(total_flux(sh), 2.0)
 
 
+def test_moments_are_of_the_surfaces():
+    """Of two VPLs of 1 and 3 lm below the cell before them, 0.3 cells along x from its middle each way."""
+    position = np.array([[0.6, 0.7, 1.0], [0.9, 0.8, 1.0]])
+    normal, flux = np.tile([0.0, 0.0, 1.0], (2, 1)), np.array([[1.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
+    moments = injection.inject_moments(position, normal, flux, GRID)
+    band_0 = harmonics.COSINE_LOBE_0 / pi
+    expected = band_0 * (1.0 * np.array([-0.3, -0.1, -0.5]) + 3.0 * np.array([0.3, 0.1, -0.5]))
+    np.testing.assert_allclose(moments[2, 1, 1], expected, rtol=1e-12)
+    assert np.count_nonzero(moments) == 3
+    literal = injection.inject_moments(position, normal, flux, GRID, 1.0)
+    np.testing.assert_allclose(literal, pi * moments, rtol=1e-12)
+
+
+def test_moments_say_where_all_light_comes_from():
+    """Whichever cells VPLs are moved to: their middles and the moments together have the centroid of all."""
+    position, normal, flux = random_vpls(500)
+    weight = flux.sum(axis=-1)
+    centroid = (weight[:, None] * GRID.to_cells(position)).sum(axis=0) / weight.sum()
+    z, y, x = np.indices((8, 8, 8)) + 0.5
+    light = injection.inject(position, normal, flux, GRID)[..., 0].sum(axis=-1)
+    moments = injection.inject_moments(position, normal, flux, GRID)
+    found = (light[..., None] * np.stack([x, y, z], axis=-1) + moments).sum(axis=(0, 1, 2)) / light.sum()
+    np.testing.assert_allclose(found, centroid, rtol=1e-12)
+
+
 def test_fixed_point_is_within_half_a_unit_per_vpl():
     position, normal, flux = random_vpls(2000)
     scale = injection.fixed_point_scale(flux.sum(axis=0), len(flux))

@@ -1,4 +1,4 @@
-"""Where the geometry volume's surfaces lie in its cells, and cones through them (simulator/lpv/geometry.py)."""
+"""Where the geometry volume's surfaces lie in its cells (simulator/lpv/geometry.py). Ways: test_simulator_cones.py."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from test_simulator_geometry import GRID, ROUNDING, H, N, plane
 
 from octolux.simulator.lpv import geometry
-from octolux.simulator.lpv.geometry import BEHIND, CONE_LENGTH, LEFT_OUT, Planes
+from octolux.simulator.lpv.geometry import BEHIND, Planes
 
 PLACE = 1.0 / 64  # of a cell: what packing moves a plane by, at most
 
@@ -17,38 +17,6 @@ def wall(axis: int, place: float, share: float = 1.0, n: int = N) -> list[Planes
     shares, offsets = np.zeros((n, n, n, 3)), np.full((n, n, n, 3), place % 1.0)
     np.moveaxis(shares, 2 - axis, 0)[int(place), ..., axis] = share
     return geometry.plane_levels(Planes.sheets(shares, offsets))
-
-
-class Ways:
-    """Random ones from the middles of cells to anywhere, in nodes of a size that suits the way: as large as may be of
-    those that are 1.5 sizes away at least (gathering.takes)."""
-
-    def __init__(self, seed: int, n: int, count: int = 3000):
-        rng = np.random.default_rng(seed)
-        self.start, self.end = rng.integers(0, n, (count, 3)) + 0.5, rng.uniform(0.0, n, (count, 3))
-        away = np.abs(self.end - self.start).max(axis=-1)
-        self.size = 2.0 ** np.floor(np.log2(np.maximum(away / 1.5, 1.0)))
-        self.away = away
-        # Euclidean length is at most sqrt(3) of what is travelled, and CONE_LENGTH cells at least.
-        self.widest = 2.0 ** np.floor(np.log2(np.maximum(away * np.sqrt(3.0) / CONE_LENGTH, 1.0)))
-
-    def transmittance(self, levels: list[Planes]) -> np.ndarray:
-        return geometry.cone_transmittance(levels, self.start, self.end, self.size)
-
-    def crosses(self, axis: int, place: float) -> np.ndarray:
-        """Where a march must meet the plane: from another layer of cells than the start's, which is left out, and
-        before the last step, which is as long as the coarsest cells are wide."""
-        a, b = self.start[:, axis], self.end[:, axis]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            travelled = self.away * np.abs((place - a) / (b - a))
-        last = self.away - np.maximum(LEFT_OUT, 0.5 * self.size) - 0.25
-        between = ((a < place) != (b < place)) & (np.floor(a) != np.floor(place))
-        return between & (travelled > 0.5) & (travelled < last - self.widest)
-
-    def beside(self, axis: int, place: float, slack: float) -> np.ndarray:
-        """What lies on one side, by more than `slack` of the coarsest cells."""
-        a, b = self.start[:, axis], self.end[:, axis]
-        return ((a < place) == (b < place)) & (np.minimum(abs(a - place), abs(b - place)) > slack * self.widest)
 
 
 def test_planes_lie_where_surfels_do():
@@ -193,113 +161,3 @@ def test_packing():
     assert words.dtype == np.uint32 and words.max() < 1 << 30
     one = Planes.sheets(np.array([[[[1.0, 0.0, 0.0]]]]), np.array([[[[0.5, 0.0, 1.0]]]]))
     assert geometry.pack_planes(one)[0, 0, 0] == 31 | 16 << 5 | 31 << 25
-
-
-def test_the_empty_volume_lets_everything_pass():
-    nothing = Planes.sheets(np.zeros((N, N, N, 3)), np.random.default_rng(1).random((N, N, N, 3)))
-    assert (Ways(0, N).transmittance(geometry.plane_levels(nothing)) == 1.0).all()
-
-
-@pytest.mark.parametrize("axis", [0, 1, 2])
-@pytest.mark.parametrize("n", [16, 64])
-def test_a_wall_stops_what_crosses_it_and_nothing_else(axis, n):
-    """Wherever it lies in its cells, at every slant, and on every level that the march goes through."""
-    ways, stopped, free = Ways(2, n), 0, 0
-    for place in (0.21 * n, 0.5 * n, 0.5 * n - 0.01, 0.77 * n):
-        found = ways.transmittance(wall(axis, place, n=n))
-        crosses, beside = ways.crosses(axis, place), ways.beside(axis, place, 0.0)
-        assert np.all(found[crosses] == 0.0) and np.all(found[beside] == 1.0), place
-        stopped, free = stopped + crosses.sum(), free + beside.sum()
-    assert stopped > 1000 and free > 1000
-
-
-@pytest.mark.parametrize("axis", [0, 1, 2])
-def test_a_packed_wall_does_too(axis):
-    """But for what ends nearer to it than packing moves a plane, in the coarsest cells in use. Where the march goes on
-    to a coarser level, a plane may be moved from beyond to before the end of the former's steps. They overlap by half
-    a step of the coarser level at least, if not by all of the cell, so that a way would have to run along the wall, by
-    less than 1/16 of what it goes ahead."""
-    ways = Ways(4, 64)
-    slope = np.abs(ways.end - ways.start)[:, axis] / ways.away
-    for place in (13.44, 31.99, 49.28):
-        levels = wall(axis, place, n=64)
-        words = [geometry.pack_planes(level) for level in levels]
-        found = ways.transmittance([geometry.unpack_planes(w) for w in words])
-        near = np.minimum(*(np.abs(x[:, axis] - place) for x in (ways.start, ways.end))) <= PLACE * ways.widest
-        crosses = ways.crosses(axis, place) & ~near & (slope > 1 / 16)
-        assert np.all(found[crosses] == 0.0) and crosses.sum() > 200
-        assert np.all(found[ways.beside(axis, place, PLACE)] == 1.0)
-
-
-def test_a_half_open_wall_lets_half_pass():
-    """Exactly, on level 0: each way crosses it once, whatever its slant. Where a way goes on to another level it may
-    count on both."""
-    ways = Ways(5, N, 20000)
-    short = ways.away < 2.0 * CONE_LENGTH / np.sqrt(3.0)  # a way is up to sqrt(3) times as long as what it travels
-    for place in (5.3, 8.0, 10.9):
-        found, crosses = ways.transmittance(wall(1, place, 0.5)), ways.crosses(1, place)
-        assert np.all(found[crosses & short] == 0.5) and np.count_nonzero(crosses & short) > 5
-        assert set(found[crosses]) == {0.5, 0.25} and np.mean(found[crosses] == 0.5) > 0.7
-
-
-def test_shares_are_what_passes_on_average():
-    """Planes anywhere in their cells: of a way that goes 1/4 of a cell along an axis in each of six steps,
-    (1 - s / 4)^6 passes on average, as if a share s blocked by a.|u| (the top of geometry.py)."""
-    rng, share, found = np.random.default_rng(6), 0.6, []
-    start = np.array([[1.5, 2.5, z + 0.5] for z in range(N)])
-    end = start + np.array([8.0, 2.0, 0.0])
-    for _ in range(300):
-        shares, offsets = np.zeros((N, N, N, 3)), rng.random((N, N, N, 3))
-        shares[..., 1] = share
-        found.append(geometry.cone_transmittance([Planes.sheets(shares, offsets)], start, end, 1.0))
-    expected = (1.0 - share / 4.0) ** 6
-    assert abs(np.mean(found) - expected) < 4.0 * np.std(found) / np.sqrt(np.size(found))
-
-
-def test_ways_in_a_room_are_not_dimmed():
-    """From the middles of cells whose walls lie in them to anywhere: along walls, into edges and into corners. Not with
-    shares alone, of which each cell at a wall has one."""
-    low, high = np.array([1.3, 2.25, 1.4]), np.array([13.7, 14.9, 13.6])
-    shares, offsets = np.zeros((2, N, N, N, 3))
-    for axis in range(3):
-        for place in (low[axis], high[axis]):
-            np.moveaxis(shares, 2 - axis, 0)[int(place), ..., axis] = 1.0
-            np.moveaxis(offsets, 2 - axis, 0)[int(place), ..., axis] = place % 1.0
-    ways = Ways(7, N, 20000)
-    ways.end = low + (high - low) * np.random.default_rng(8).random(ways.end.shape)
-    inside = np.all((ways.start > low) & (ways.start < high), axis=-1)
-    assert np.all(ways.transmittance(geometry.plane_levels(Planes.sheets(shares, offsets)))[inside] == 1.0)
-    touching = inside & np.any((ways.start < low + 1.0) | (ways.start > high - 1.0), axis=-1)
-    assert touching.sum() > 1000
-
-
-@pytest.mark.parametrize("sense", [1, -1])
-def test_the_start_and_the_node_are_left_out(sense):
-    """Straight ways: none of the start's cell, the end's and the one before, and half of a larger node."""
-    start, end = np.full((1, 3), 20.5), np.full((1, 3), 20.5)
-    end[0, 1] += sense * 9.0
-    for layer in range(32):
-        levels, ahead = wall(1, layer + 0.5, n=32), sense * (layer - 20)
-        for size, left_out in ((1.0, 2), (4.0, 2), (8.0, 4)):
-            blocked = 0 < ahead < 9 - left_out + 1
-            assert geometry.cone_transmittance(levels, start, end, size) == (0.0 if blocked else 1.0), (layer, size)
-
-
-def test_mirrored_ways_pass_as_much():
-    """A random volume and its mirror image, for ways of all directions and levels: no axis and no sense is special but
-    for ties, which random volumes do not forgive."""
-    rng = np.random.default_rng(3)
-    shares, offsets = rng.uniform(0.0, 0.4, (N, N, N, 3)), rng.random((N, N, N, 3))
-    cells = rng.integers(0, N, (2, 300, 3))
-    size = 2.0 ** rng.integers(0, 3, 300)
-
-    def passed(shares, offsets, ends):
-        return geometry.cone_transmittance(geometry.plane_levels(Planes.sheets(shares, offsets)), *ends, size)
-
-    straight = passed(shares, offsets, cells + 0.5)
-    mirrored = passed(shares[::-1, ::-1, ::-1], 1.0 - offsets[::-1, ::-1, ::-1], N - 0.5 - cells)
-    np.testing.assert_allclose(mirrored, straight, rtol=1e-12)
-    turned = (np.moveaxis(a, (0, 1, 2), (1, 2, 0))[..., [1, 2, 0]] for a in (shares, offsets))
-    cycled = passed(*turned, cells[..., [1, 2, 0]] + 0.5)
-    assert np.isclose(cycled, straight, rtol=1e-12).mean() > 0.9  # ties of the longest axis go to the first
-    assert 0.01 < np.median(straight) < 0.99

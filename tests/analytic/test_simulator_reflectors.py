@@ -8,7 +8,7 @@ import pytest
 from octolux.simulator.environment import LUMINANCE
 from octolux.simulator.grid import Grid
 from octolux.simulator.lpv.geometry import inject_surfels
-from octolux.simulator.lpv.reflectors import MOST_WALLS, finest_grid, inject_reflectors, merge_reflectors
+from octolux.simulator.lpv.reflectors import MOST_WALLS, inject_places, inject_reflectors, merge_reflectors
 
 GRID = Grid((0.0, 0.0, 0.0), 0.5, 4)
 
@@ -65,9 +65,17 @@ def test_more_than_a_wall_closes_a_cell_but_counts_in_the_mean():
     assert cell[2, 0] == pytest.approx((0.5 * 3 + MOST_WALLS) / (3 + MOST_WALLS))
 
 
-def test_the_finest_grid_that_holds_a_surfel_after_its_move():
-    grids = [Grid((0.0, 0.0, 0.0), 0.25, 4), Grid((-1.0, -1.0, -1.0), 0.5, 8)]
-    position = np.array([[0.5, 0.5, 0.5], [0.95, 0.5, 0.5], [2.95, 0.5, 0.5], [2.0, 0.5, 0.5], [9.0, 9.0, 9.0]])
-    normal = np.tile([1.0, 0.0, 0.0], (5, 1))
-    assert finest_grid(position, normal, grids, 0.0).tolist() == [0, 0, 1, 1, -1]
-    assert finest_grid(position, normal, grids, 0.5).tolist() == [0, 1, -1, 1, -1]
+def test_places_are_those_of_the_surfaces():
+    """By area, of what has been moved into the cell before it: three parts a tenth of a cell behind its lower side, one
+    a tenth above. Elsewhere 0."""
+    position = np.array([[0.7, 0.8, 0.95], [0.7, 0.8, 1.05]])
+    area, normal = [0.03, 0.01], np.tile([0.0, 0.0, 1.0], (2, 1))
+    places = inject_places(position, normal, area, GRID, 0.5)
+    np.testing.assert_allclose(places[2, 1, 1], [-0.1, 0.1, -0.5 - 0.75 * 0.1 + 0.25 * 0.1], rtol=1e-12)
+    assert np.count_nonzero(places) == 3
+    behind = inject_places(position, normal, area, GRID, -(2.0**-8))
+    np.testing.assert_allclose(behind[1:3, 1, 1, 2], [0.4, -0.4], rtol=1e-12)
+
+
+def test_surfels_beyond_the_grid_have_no_place():
+    assert not inject_places(np.full((1, 3), -0.3), [[1.0, 0.0, 0.0]], [0.1], GRID, 0.5).any()

@@ -4,16 +4,22 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import pi
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from gpu_tools import one_stage, read_buffer, small_settings
+from gpu_tools import one_stage, random_directions, read_buffer, small_settings
+from test_cascades import COUNT, LEVELS, WINDOWS, N
+from test_octree_gathering import STORED
 
 import octolux
 from octolux.gpu.bindings import storage, storage_rw
 from octolux.gpu.passes import ComputePass
 from octolux.renderer import Renderer
 from octolux.scene.medium import Medium
+from octolux.simulator.lpv import cascades
+from octolux.simulator.lpv.gathering import first_moments, gather
+from octolux.techniques.lpv.cascaded.air import AirLight
 from octolux.techniques.lpv.constants import storage_scale
 
 HALF_FLOAT = 2.0**-10  # 2^-11 rounded, twice that where an adapter truncates
@@ -79,6 +85,39 @@ def test_fluence(device, tmp_path, foggy, irradiance, fluence):
     np.testing.assert_allclose(read[:40, :3], fluence, rtol=2 * HALF_FLOAT)
     assert not read[40:, :3].any()
     np.testing.assert_allclose(read[:, 3], 2.0 * grid.cell_size, rtol=1e-6)
+
+
+def test_the_air_gathers_from_where_light_lies(device):
+    """As the simulator's gathering of all cells of the level above the windows, from the moments that are given."""
+    rng = np.random.default_rng(3)
+    light, placed = np.zeros((COUNT, N, N, N, 3, 4)), rng.uniform(-1.0, 1.0, (COUNT, N, N, N, 3))
+    light[..., 0] = rng.uniform(0.1, 2.0, light.shape[:-1]) * (rng.random((COUNT, N, N, N, 1)) < 0.02)
+    light[..., 1:] = random_directions(rng, light[..., 0].size).reshape(*light.shape[:-1], 3) * light[..., :1]
+    placed *= light[..., 0].sum(axis=-1)[..., None]
+    moments = [first_moments(a, w.origin, w.size, b) for a, w, b in zip(light, WINDOWS, placed, strict=True)]
+    levels = [cascades.window_levels(values) for values in (light, moments)]
+    given = [np.concatenate([each.reshape(each.shape[0] ** 3, -1) for each in all_of]) for all_of in levels]
+    injected, moments, peak = (
+        device.buffer("given", values.astype(np.float32)) for values in (*given, given[0][:1, :1] * 0.0 + 8.0)
+    )
+    windows = SimpleNamespace(n=N, count=COUNT, grids_buffer=None)
+    air, frame = AirLight(device, windows, LEVELS, occlusion=False), SimpleNamespace()
+    with one_stage(device) as stage:
+        air.run(stage, frame, injected, moments, peak, None)
+    half = N // 2
+    data = device.queue.read_texture(
+        {"texture": frame.volume_light.resources["air_cube"]}, {"bytes_per_row": half * 8, "rows_per_image": half},
+        (half, half, 6 * half),
+    )  # fmt: skip
+    cube = np.frombuffer(data, np.float16).reshape(6, half, half, half, 4).astype(np.float64)
+    cells = rng.integers(0, half, (20, 3))
+    nodes = cascades.window_nodes(light, WINDOWS, placed)
+    expected = gather(cells, nodes, 1.0, base=COUNT)
+    found = np.moveaxis(cube[:, cells[:, 2], cells[:, 1], cells[:, 0], :3], 0, 1)
+    allowed = HALF_FLOAT * expected + STORED * expected.max(axis=1, keepdims=True)
+    assert np.all(np.abs(found - expected) <= allowed) and expected.min(axis=0).max() > 0.0
+    elsewhere = gather(cells, cascades.window_nodes(light, WINDOWS), 1.0, base=COUNT)
+    assert np.any(np.abs(elsewhere - expected) > 2.0 * allowed), "places hardly matter"
 
 
 def test_fog_has_indirect_light(device, foggy):

@@ -37,14 +37,6 @@ def uniforms(device):
     return device.uniform("grids", pack_grids(GRIDS)), device.uniform("windows", pack_windows(WINDOWS))
 
 
-def finest(points: np.ndarray, shift: np.ndarray) -> np.ndarray:
-    """Number of the finest grid that holds each of `points`, moved by `shift` of its cells; COUNT for none."""
-    number = np.full(len(points), COUNT)
-    for i in reversed(range(COUNT)):
-        number[GRIDS[i].inside(points + GRIDS[i].cell_size * shift)] = i
-    return number
-
-
 def random_vpls(count: int) -> np.ndarray:
     """VPLs in and a little beyond the volume, none within float32's rounding of a cell's face."""
     rng, vpls = np.random.default_rng(1), VPL.array(count)
@@ -64,31 +56,35 @@ def safe(vpls: np.ndarray, shift: float) -> np.ndarray:
     return vpls[kept]
 
 
-@pytest.mark.parametrize("every", [False, True])
-def test_injection_into_the_finest_or_every_grid(device, every):
-    """As the simulator's in each grid, of the VPLs that are its own. Rounding: half a step each (test_injection.py)."""
+@pytest.mark.parametrize("moments", [False, True])
+def test_injection_into_every_grid(device, moments):
+    """As the simulator's in each. Rounding: half a step each (test_injection.py); of moments too, whose places are
+    right to 1e-5 cells."""
     vpls = safe(random_vpls(4000), 0.5)
-    made = Injection(device, N, grids=COUNT, every=every)
+    made = Injection(device, N, grids=COUNT, moments=moments)
     source = VplSource(0, len(vpls), vpls["flux"].sum(axis=0, dtype=np.float64))
     with one_stage(device) as stage:
         texture = record_texture(device, "vpls", VPL, len(vpls), vpls)
         made.run(stage, uniforms(device)[0], texture, [source])
     found = read_buffer(device, made.injected).reshape(COUNT, N, N, N, 3, 4)
-    normals = unpack_normals(vpls["normal"])
-    owner = finest(vpls["position"].astype(np.float64), 0.5 * normals)
+    placed = read_buffer(device, made.moments).reshape(COUNT, N, N, N, 4) if moments else None
     step = 2.0**-30 * len(vpls) * vpls["flux"].sum(axis=0).max()
+    position, flux = (vpls[name].astype(np.float64) for name in ("position", "flux"))
     for i, grid in enumerate(GRIDS):
-        own = np.ones(len(vpls), bool) if every else owner == i
-        expected = injection_reference.inject(
-            vpls["position"][own].astype(np.float64), normals[own], vpls["flux"][own].astype(np.float64), grid
-        )
+        given = position, unpack_normals(vpls["normal"]), flux, grid
+        expected = injection_reference.inject(*given)
         np.testing.assert_allclose(found[i], expected, rtol=1e-5, atol=step)
         assert np.count_nonzero(expected[..., 0, 0]) > 20
+        if placed is not None:
+            weight = expected[..., 0].sum(axis=-1)[..., None]
+            difference = np.abs(placed[i][..., :3] - injection_reference.inject_moments(*given))
+            # Three channels together, at up to 5/4 cells from the middle, in as many bits as one has.
+            assert np.all(difference <= 1e-5 * weight + 3.75 * step) and not placed[i][..., 3].any()
 
 
-def test_surfels_of_the_finest_grid_and_of_coarser_ones(device):
-    """Each in the finest grid that holds it, others from their children; as in test_octree_geometry.py. Planes are the
-    means of shares of 1/1000 at least, of which normals in float32 take 1e-6 of a wall, and rounding less."""
+def test_surfels_are_in_every_window_that_holds_them(device):
+    """And the levels above are made of the last; as in test_octree_geometry.py. Planes are the means of shares of
+    1/1000 at least, of which normals in float32 take 1e-6 of a wall, and rounding less."""
     vpls = safe(random_vpls(20000), -geometry.BEHIND)
     made = GeometryVolume(device, LEVELS, camera=False)
     frame = SimpleNamespace(
@@ -96,15 +92,13 @@ def test_surfels_of_the_finest_grid_and_of_coarser_ones(device):
         vpl_ranges=[(0, len(vpls))], vpl_widths=[64],
     )  # fmt: skip
     with one_stage(device) as stage:
-        made.run(stage, frame, *uniforms(device))
+        made.run(stage, frame, uniforms(device)[0])
     buffers = (read_buffer(device, made.volume[name]) for name in geometry.Planes._fields)
     made_levels = zip(*(LEVELS.split(b.reshape(-1, 4)[:, :3]) for b in buffers), strict=True)
     normals, positions = unpack_normals(vpls["normal"]), vpls["position"].astype(np.float64)
-    owner, areas = finest(positions, -geometry.BEHIND * normals), vpls["area"].astype(np.float64)
-    own = [geometry.inject_planes(positions[owner == i], normals[owner == i], areas[owner == i], grid)
-           for i, grid in enumerate(GRIDS)]  # fmt: skip
-    most = np.bincount(owner).max() / N**3 * 50  # far more than any cell has
-    levels = cascades.nested_planes(own, WINDOWS)
+    own = [geometry.inject_planes(positions, normals, vpls["area"].astype(np.float64), grid) for grid in GRIDS]
+    most = len(vpls) / N**3 * 50  # far more than any cell has
+    levels = [*own[:-1], *geometry.plane_levels(own[-1])]
     for (fronts, backs, offsets), expected in zip(made_levels, levels, strict=True):
         for found, side in ((fronts, expected.fronts), (backs, expected.backs)):
             np.testing.assert_allclose(found, side, rtol=1e-5, atol=most * 0.5 / 65536)
@@ -114,7 +108,7 @@ def test_surfels_of_the_finest_grid_and_of_coarser_ones(device):
 
 
 def scattered_light(seed: int) -> list[np.ndarray]:
-    """Float32 [z][y][x][rgb][4] of each window where no finer one is: mixes of lobes in a twentieth of the cells."""
+    """Float32 [z][y][x][rgb][4] of each window: mixes of lobes in a twentieth of the cells."""
     rng, result = np.random.default_rng(seed), []
     for i in range(COUNT):
         light = np.zeros((N, N, N, 3, 4))
@@ -122,9 +116,6 @@ def scattered_light(seed: int) -> list[np.ndarray]:
         directions = random_directions(rng, N**3 * 3).reshape(N, N, N, 3, 3)
         light[..., 1:] = directions * (light[..., :1] * rng.uniform(0, 2 / np.sqrt(3), (N, N, N, 3, 1)))
         light *= rng.random((N, N, N, 1, 1)) < 0.05
-        if i:
-            x, y, z = np.array(WINDOWS[i - 1].origin) // 2 - WINDOWS[i].origin
-            light[z : z + N // 2, y : y + N // 2, x : x + N // 2] = 0.0
         result.append(light.astype(np.float32))
     return result
 
@@ -153,7 +144,7 @@ def test_every_window_gathers(device, density):
     nodes, origins = cascades.window_nodes(own, WINDOWS), [w.origin for w in WINDOWS]
     for base, window in enumerate(WINDOWS):
         local = np.concatenate([[(0, 0, 0), (N - 1, 3, N - 1)], rng.integers(0, N, (15, 3))])
-        options = {"base": base, "origins": origins, "n": N}
+        options = {"base": base, "origins": origins, "ends": [w.ends for w in WINDOWS], "n": N}
         expected, free = (
             gathering.gather(local + window.origin, nodes, 1.0, b, **options) for b in (blockers, None)
         )  # fmt: skip

@@ -77,21 +77,22 @@ def run(device, made: Reflectors, groups, grids=GRIDS, lamps: int | None = None,
     return read_buffer(device, made.reflectors)[: cells * 12].reshape(len(grids), N, N, N, 3, 4)
 
 
-def made_of(device, offset: float, *, every: bool = False, grids: int = len(GRIDS), camera: bool = False) -> Reflectors:
-    return Reflectors(device, Levels([N] * grids, grids), offset, camera, every=every)
+def made_of(device, offset: float, *, grids: int = len(GRIDS), camera: bool = False, places=False) -> Reflectors:
+    return Reflectors(device, Levels([N] * grids, grids), offset, camera, places=places)
 
 
 @pytest.fixture(scope="module")
 def made(device) -> Reflectors:
-    return made_of(device, 0.5)
+    return made_of(device, 0.5, places=True)
 
 
-def check(found: np.ndarray, groups, grid: Grid, offset: float, held: list[np.ndarray]) -> None:
-    """Shares err by half a step of fixed point for each surfel; albedos by what that makes of their sums."""
+def check(found: np.ndarray, groups, grid: Grid, offset: float) -> np.ndarray:
+    """Shares err by half a step of fixed point for each surfel; albedos by what that makes of their sums. Returns how
+    much [z][y][x]."""
     buffers = []
     count, walls = np.zeros((N, N, N)), np.zeros((N, N, N))
-    for group, here in zip(groups, held, strict=True):
-        position, normal, area, albedo = (a[here] for a in arguments(*group))
+    for group in groups:
+        position, normal, area, albedo = arguments(*group)
         buffers.append(reference.inject_reflectors(position, normal, area, albedo, grid, offset))
         count += reference.inject_reflectors(position, normal, np.full(len(area), grid.cell_size**2), albedo, grid,
                                              offset)[1][..., 3]  # fmt: skip
@@ -101,26 +102,34 @@ def check(found: np.ndarray, groups, grid: Grid, offset: float, held: list[np.nd
     lost = 2.0 * count * TINT_FIXED_POINT / np.where(walls > 0, walls, 1.0)
     assert np.all(np.abs(found[..., 2, :] - expected[..., 2, :]) <= lost[..., None] + ARITHMETIC)
     assert (walls > 0).mean() > 0.05 and lost.max() < 0.05
+    return lost
 
 
+@pytest.mark.parametrize("places", [False, True])
 @pytest.mark.parametrize("offset", OFFSETS)
-@pytest.mark.parametrize("every", [False, True], ids=["finest", "every"])
-def test_surfels_of_many_lights_in_nested_grids(device, offset, every):
-    """More lights than have sums of their own at once; each surfel is in the finest grid that holds it, or in every."""
+def test_surfels_of_many_lights_in_nested_grids(device, offset, places):
+    """More lights than have sums of their own at once; each surfel is in every grid that holds it. Places are twice
+    what their sums say, of which the cell size takes 1e-5 for those in float32."""
     rng = np.random.default_rng(1)
     groups = [random_surfels(rng, count, 0.5) for count in (60000, 30000, 1, 9000, 5000, 4000)]
-    found = run(device, made_of(device, offset, every=every), groups)
-    of_grid = [reference.finest_grid(*arguments(*g)[:2], GRIDS, offset) for g in groups]
+    made = made_of(device, offset, places=places)
+    found = run(device, made, groups)
+    assert (made.places is not None) == places
+    position, normal, area = (np.concatenate(a) for a in zip(*(arguments(*g)[:3] for g in groups), strict=True))
     for number, grid in enumerate(GRIDS):
-        held = [every | (of == number) for of in of_grid]
-        check(found[number], groups, grid, offset, held)
+        lost = check(found[number], groups, grid, offset)
+        if places:
+            expected = reference.inject_places(position, normal, area, grid, offset)
+            there = read_buffer(device, made.places).reshape(len(GRIDS), N, N, N, 4)[number]
+            assert np.all(np.abs(there[..., :3] - expected) <= 2.0 * lost[..., None] + ARITHMETIC)
+            assert not there[..., 3].any() and np.abs(expected).max() > 0.4
     assert 0.001 < (found[..., 0, :] == 1.0).mean() < 0.95
 
 
 def test_a_single_grid(device):
     group = random_surfels(np.random.default_rng(2), 30000, 0.1)
     found = run(device, made_of(device, 0.5, grids=1), [group], GRIDS[:1])
-    check(found[0], [group], GRIDS[0], 0.5, [np.full((group[0]["area"] > 0).sum(), True)])
+    check(found[0], [group], GRIDS[0], 0.5)
 
 
 @pytest.mark.parametrize("width", [3, 64, 1000, 5000])
@@ -150,7 +159,8 @@ def test_soft_lights_do_not_count(device, made):
 
 
 def test_a_cell_with_too_much(device, made):
-    """A hundred thousand surfels larger than anything in one cell: no sum overflows, and the mean is that of all."""
+    """A hundred thousand surfels larger than anything in one cell of each grid: no sum overflows, and the means are
+    those of all."""
     vpls = VPL.array(100_000)
     vpls["normal"], vpls["area"] = pack_normals(np.array([0.0, 0.0, 1.0])), 1e3
     vpls["position"] = np.array(GRIDS[0].origin) + 5.3 * GRIDS[0].cell_size
@@ -161,7 +171,10 @@ def test_a_cell_with_too_much(device, made):
     assert np.array_equal(cell[:2].ravel(), [0, 0, 0, 0, 1, 0, 0, 0])
     mean = traits.unpack_traits(words)[0].mean(axis=0)
     np.testing.assert_allclose(cell[2], [*mean, mean @ LUMINANCE], rtol=1e-6)
-    assert np.count_nonzero(found) == 5
+    assert [np.count_nonzero(cells) for cells in found] == [5, 5, 5]
+    places = read_buffer(device, made.places).reshape(3, N, N, N, 4)
+    np.testing.assert_allclose(places[0, 5, 5, 5], [-0.2, -0.2, -0.2, 0.0], atol=ARITHMETIC)
+    assert [np.count_nonzero(cells) for cells in places] == [3, 3, 3]
 
 
 def test_more_cells_than_fit_are_refused(device):

@@ -29,7 +29,7 @@ class Sampling(NoTechnique):
 
     def update(self, frame) -> None:
         self.surfels = getattr(self, "surfels", None) or SceneSurfels(frame.device)
-        self.surfels.run(frame, np.zeros(3), SPACING)
+        self.changed = self.surfels.run(frame, np.zeros(3), SPACING)
 
 
 def rendered(device, scene) -> tuple[Renderer, np.ndarray, np.ndarray]:
@@ -101,3 +101,30 @@ def test_nothing_is_cut_out_or_clear(device):
     assert not cut["area"].any()
     _, clear, _ = rendered(device, the_box(alpha=0.5, alpha_mode="blend"))
     np.testing.assert_allclose(clear["area"], 0.5 * SPACING**2, rtol=1e-5)
+
+
+def test_it_tells_whether_anything_has_changed(device):
+    """Only in frames before which something has been moved, added or taken away, or looks otherwise."""
+    scene = the_box()
+    renderer, _, _ = rendered(device, scene)
+    assert renderer.technique.changed
+    moved = np.eye(4)
+    moved[0, 3] = 0.5
+    there = list(scene.instances)
+    changes = {
+        "nothing": lambda: None,
+        "moved": lambda: scene.instances.__setitem__(0, replace(there[0], transform=moved)),
+        "still": lambda: None,
+        "material": lambda: scene.materials.__setitem__(0, Material(base_color=(0.1, 0.2, 0.3))),
+        "one more": lambda: scene.instances.append(there[0]),
+        "still again": lambda: None,
+        "none": scene.instances.clear,
+        "still none": lambda: None,
+        "back": lambda: scene.instances.extend(there),
+    }
+    found = {}
+    for name, change in changes.items():
+        change()
+        renderer.render(front_camera())
+        found[name] = renderer.technique.changed
+    assert [name for name, changed in found.items() if not changed] == ["nothing", "still", "still again", "still none"]

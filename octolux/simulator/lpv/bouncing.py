@@ -8,7 +8,9 @@ reads the cube of irradiance by them (gathering.read_cube): it then receives wha
 bounce lands with more than was sent (`_kept`).
 
 Light arrives in the cells of the last window, which is whole: it changes slowly, but for what comes from near by. What
-the surfaces of finer windows reflect is made of the same irradiance, filtered between those cells.
+the surfaces in any window's cells reflect is made of the same irradiance, filtered between those cells, and is added to
+all that the cell has already, whether finer windows are there or not: so what is sent from far away does not depend on
+where they lie. It comes from the mean place of the cell's surfaces (reflectors.inject_places).
 """
 
 from __future__ import annotations
@@ -19,8 +21,8 @@ from math import pi
 import numpy as np
 
 from octolux.simulator import sh
-from octolux.simulator.lpv.cascades import Window, nested_levels
-from octolux.simulator.lpv.gathering import gather, light_nodes
+from octolux.simulator.lpv.cascades import Window
+from octolux.simulator.lpv.gathering import first_moments, gather, light_nodes
 from octolux.simulator.lpv.geometry import Planes
 from octolux.simulator.lpv.transfer import DIRECTIONS
 
@@ -35,41 +37,30 @@ def reflected(reflectors, cube) -> np.ndarray:
     return np.einsum("...fc,fk->...ck", flux, sh.cosine_lobe(DIRECTIONS)) / pi
 
 
-def with_children(reflectors: Sequence[np.ndarray], windows: Sequence[Window]) -> list[np.ndarray]:
-    """Reflectors [z][y][x][3][4] of each window, of cells that finer windows reach those of their children as well:
-    shares of a cross section four times as large, at most 1, and the mean albedo by shares."""
-    result = [np.asarray(reflectors[0], dtype=np.float64)]
-    for own, inner, outer in zip(reflectors[1:], windows, windows[1:], strict=False):
-        summed = nested_levels([0.25 * _linear(result[-1]), _linear(np.asarray(own))], [inner, outer])[1]
-        here = np.array(summed)
-        here[..., :2, :] = np.minimum(summed[..., :2, :], 1.0)
-        whole = summed[..., :2, :].sum(axis=(-1, -2))
-        here[..., 2, :3] = summed[..., 2, :3] / np.where(whole > 0.0, whole, 1.0)[..., None]
-        result.append(here)
-    return result
-
-
-def _linear(reflectors: np.ndarray) -> np.ndarray:
-    result = np.array(reflectors)
-    result[..., 2, :] *= reflectors[..., :2, :].sum(axis=(-1, -2))[..., None]
-    return result
+def moments_at(light: np.ndarray, places: np.ndarray, origin=(0, 0, 0), size: float = 1.0) -> np.ndarray:
+    """As gathering.first_moments, of `light` [z][y][x][rgb][4] from surfaces at `places` [z][y][x][3], in cells from
+    the middles of theirs."""
+    return first_moments(light, origin, size, light[..., 0].sum(axis=-1)[..., None] * places)
 
 
 def irradiance(
-    light: np.ndarray, reflectors: np.ndarray, count: int, geometry: Sequence[Planes] | None = None
-) -> np.ndarray:
+    light: np.ndarray, reflectors: np.ndarray, count: int, geometry: Sequence[Planes] | None = None, *,
+    moments: np.ndarray, places: np.ndarray,
+) -> np.ndarray:  # fmt: skip
     """Irradiance times the square of the cell size [z][y][x][6][3] of `count` bounces together in a whole volume of
-    `light` [z][y][x][rgb][4] (W/sr), at the cells that have reflectors; 0 elsewhere. geometry: as in `gather`."""
+    `light` [z][y][x][rgb][4] (W/sr), at the cells that have reflectors; 0 elsewhere. geometry: as in `gather`; moments:
+    of `light`, as in gathering.light_nodes; places: of the reflectors."""
     n = light.shape[0]
     cells = np.argwhere(reflectors[..., :2, :].sum(axis=(-1, -2)) > 0.0)[:, ::-1]
     total, current = np.zeros((n, n, n, 6, 3)), np.asarray(light, dtype=np.float64)
     x, y, z = cells.T
     for _ in range(count):
         found = np.zeros_like(total)
-        found[z, y, x] = gather(cells, light_nodes(current), 1.0, geometry)
+        found[z, y, x] = gather(cells, light_nodes(current, moments), 1.0, geometry)
         found *= _kept(current, reflectors, found)
         total += found
         current = reflected(reflectors, found)
+        moments = moments_at(current, places)
     return total
 
 
@@ -87,7 +78,7 @@ def injected_bounces(
     arrived: np.ndarray, marked: np.ndarray, reflectors: Sequence[np.ndarray], windows: Sequence[Window]
 ) -> list[np.ndarray]:
     """What each window's surfaces reflect of `arrived` [z][y][x][6][3], irradiance times the square of the last
-    window's cell size in those of its cells that are `marked`: light [z][y][x][rgb][4], 0 where a finer window is.
+    window's cell size in those of its cells that are `marked`: light [z][y][x][rgb][4] of each.
 
     A fine cell lies close before its surfaces, and would have part of what arrives behind them: what a face receives is
     read as far before it as a cell of the last window lies on average.
@@ -95,18 +86,13 @@ def injected_bounces(
     n, last = arrived.shape[0], windows[-1].size
     result = []
     z, y, x = np.indices((n, n, n))
-    for number, window in enumerate(windows):
+    for own, window in zip(reflectors, windows, strict=True):
         ratio = window.size / last
         middle = ratio * (np.stack([x, y, z], axis=-1) + window.origin + 0.5)
         cube = np.zeros((n, n, n, 6, 3))
         for face, outward in enumerate(DIRECTIONS):
             cube[..., face, :] = _filtered(arrived[..., face, :], marked, middle + (0.5 - 0.5 * ratio) * outward)
-        light = reflected(reflectors[number], ratio**2 * cube)
-        if number:
-            first = np.array(windows[number - 1].origin) // 2 - window.origin
-            i, j, k = (slice(f, f + n // 2) for f in first)
-            light[k, j, i] = 0.0
-        result.append(light)
+        result.append(reflected(own, ratio**2 * cube))
     return result
 
 

@@ -17,8 +17,7 @@ import numpy as np
 
 from octolux.simulator.grid import Grid
 from octolux.simulator.lpv.gathering import Nodes, first_moments, nodes_of
-from octolux.simulator.lpv.geometry import Planes, coarser_planes, moments_of, plane_levels, planes_of
-from octolux.simulator.lpv.octree import downsample
+from octolux.simulator.lpv.octree import build_levels
 
 SNAP = 4
 """Cells of its own by which a window moves."""
@@ -34,6 +33,12 @@ class Window:
     size: int
     low: tuple[float, float, float]
     high: tuple[float, float, float]
+
+    @property
+    def ends(self) -> np.ndarray:
+        """(2, 3), in its cells from the volume's corner: between these it has cells whichever way it has been snapped.
+        Here ways leave it (cones.py): where its own cells end they would meet others whenever it moves."""
+        return np.array([np.add(self.origin, self.low) - 0.5, np.add(self.origin, self.high) + 0.5])
 
 
 def transition(n: int) -> int:
@@ -106,39 +111,19 @@ def weights(places, windows: Sequence[Window], n: int) -> np.ndarray:
     return np.array(result)
 
 
-def _reached(inner: Window, outer: Window, n: int) -> tuple[slice, slice, slice]:
-    """The cells [z][y][x] of a window that the finer one in it has children of."""
-    x, y, z = (i // 2 - o for i, o in zip(inner.origin, outer.origin, strict=True))
-    return slice(z, z + n // 2), slice(y, y + n // 2), slice(x, x + n // 2)
+def window_levels(own: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """All levels of what each window [z][y][x]... has, which is all that lies in it: the windows' own, and the octree
+    above the last, down to one cell."""
+    return [*own[:-1], *build_levels(own[-1])]
 
 
-def nested_levels(own: Sequence[np.ndarray], windows: Sequence[Window]) -> list[np.ndarray]:
-    """All levels from what each window [z][y][x]... has that no finer one holds: to it comes the sum of the children
-    that the finer window has; and then the octree above the last window, down to one cell."""
-    levels = [np.asarray(own[0], dtype=np.float64)]
-    for cells, inner, outer in zip(own[1:], windows, windows[1:], strict=False):
-        here = np.array(cells, dtype=np.float64)
-        here[_reached(inner, outer, len(here))] += downsample(levels[-1], "sum")
-        levels.append(here)
-    while levels[-1].shape[0] > 1:
-        levels.append(downsample(levels[-1], "sum"))
-    return levels
-
-
-def nested_planes(own: Sequence[Planes], windows: Sequence[Window]) -> list[Planes]:
-    """The same of the geometry volume: a quarter of the children's fronts and backs, and at most 1 on each level."""
-    levels = [own[0]]
-    for cells, inner, outer in zip(own[1:], windows, windows[1:], strict=False):
-        sums = cells.fronts.copy(), cells.backs.copy(), moments_of(cells)
-        for mine, children in zip(sums, coarser_planes(levels[-1]), strict=True):
-            mine[_reached(inner, outer, len(mine))] += children
-        levels.append(planes_of(*sums))
-    return levels[:-1] + plane_levels(levels[-1])
-
-
-def window_nodes(own: Sequence[np.ndarray], windows: Sequence[Window]) -> list[Nodes]:
-    """Nodes of all levels, as gathering.light_nodes makes them, from each window's own light [z][y][x][rgb][4]."""
-    moments = [first_moments(light, w.origin, w.size) for light, w in zip(own, windows, strict=True)]
-    levels = zip(nested_levels(own, windows), nested_levels(moments, windows), strict=True)
+def window_nodes(
+    own: Sequence[np.ndarray], windows: Sequence[Window], placed: Sequence[np.ndarray] | None = None
+) -> list[Nodes]:
+    """Nodes of all levels, as gathering.light_nodes makes them, from each window's light [z][y][x][rgb][4], and where
+    in its cells it lies, as gathering.first_moments takes it."""
+    beside = [None] * len(own) if placed is None else placed
+    moments = [first_moments(a, w.origin, w.size, b) for a, w, b in zip(own, windows, beside, strict=True)]
+    levels = zip(window_levels(own), window_levels(moments), strict=True)
     origins = [w.origin for w in windows]
     return [nodes_of(i, *level, origins[i] if i < len(origins) else (0, 0, 0)) for i, level in enumerate(levels)]

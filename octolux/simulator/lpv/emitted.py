@@ -15,7 +15,7 @@ that it must not light, a point does not.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import pi
 
@@ -176,20 +176,32 @@ def coefficients(emitted: Emitted) -> np.ndarray:
     return emitted.flux[..., None] / pi * shape[:, None, :]
 
 
-def inject(emitted: Emitted, grids: Sequence[Grid], every: bool = False) -> np.ndarray:
+def inject(emitted: Emitted, grids: Sequence[Grid]) -> np.ndarray:
     """Initial light of nested grids of n^3 cells, the finest first: float64 [grid][z][y][x][rgb][4], W/sr (cd).
 
-    A record goes into the finest grid that holds it after it was moved half a cell of that grid along beam * axis, or
-    into `every` one that does. Those that none holds are omitted.
+    A record goes into every grid that holds it after it was moved half a cell of that grid along beam * axis. Those
+    that none holds are omitted.
     """
-    n = grids[0].n
+    n, values = grids[0].n, coefficients(emitted)
     light = np.zeros((len(grids), n, n, n, 3, 4))
-    values, left = coefficients(emitted), np.ones(len(emitted.beam), dtype=bool)
+    for own, held, (x, y, z) in _held(emitted, grids):
+        np.add.at(light[own], (z, y, x), values[held])
+    return light
+
+
+def inject_moments(emitted: Emitted, grids: Sequence[Grid]) -> np.ndarray:
+    """Where in its cells the light of `inject` comes from, [grid][z][y][x][3], as injection.inject_moments."""
+    n, weights = grids[0].n, coefficients(emitted)[..., 0].sum(axis=-1)
+    moments = np.zeros((len(grids), n, n, n, 3))
+    for own, held, (x, y, z) in _held(emitted, grids):
+        beside = grids[own].to_cells(emitted.position[held]) - np.stack([x, y, z], axis=-1) - 0.5
+        np.add.at(moments[own], (z, y, x), weights[held, None] * beside)
+    return moments
+
+
+def _held(emitted: Emitted, grids: Sequence[Grid]) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+    """Of each grid: its number, which records it holds (M,), and their cells (3, ...) x, y, z."""
     for number, grid in enumerate(grids):
         cells = grid.cell_of(emitted.position + 0.5 * grid.cell_size * emitted.beam[:, None] * emitted.axis)
-        held = left & np.all((cells >= 0) & (cells < n), axis=1)
-        x, y, z = cells[held].T
-        np.add.at(light[number], (z, y, x), values[held])
-        if not every:
-            left &= ~held
-    return light
+        held = np.all((cells >= 0) & (cells < grid.n), axis=1)
+        yield number, held, cells[held].T

@@ -21,7 +21,8 @@ import numpy as np
 
 from octolux.simulator import sh as harmonics
 from octolux.simulator.form_factors import squares_with_a_common_edge
-from octolux.simulator.lpv.geometry import Planes, cone_transmittance
+from octolux.simulator.lpv.cones import WHOLE, cone_transmittance
+from octolux.simulator.lpv.geometry import Planes
 from octolux.simulator.lpv.octree import build_levels
 from octolux.simulator.lpv.transfer import DIRECTIONS
 
@@ -48,25 +49,29 @@ class Nodes:
     direction: np.ndarray
 
 
-def light_nodes(injected) -> list[Nodes]:
-    """Nodes of every level of `injected` [z][y][x][rgb][4], the finest first.
-
-    VPLs were moved half a cell along their normals when they were injected, and lie anywhere in their cells then: on
-    average their surfaces are half a cell behind the middle, against the light's first moment, which is
-    sqrt(3)/2 |c1| / c00 of the flux long (harmonics.dominant_lobe).
-    """
+def light_nodes(injected, moments=None) -> list[Nodes]:
+    """Nodes of every level of `injected` [z][y][x][rgb][4], the finest first. moments: its own, if not
+    `first_moments`."""
     injected = np.asarray(injected, dtype=np.float64)
-    levels = zip(build_levels(injected), build_levels(first_moments(injected)), strict=True)
-    return [nodes_of(i, cells, moments) for i, (cells, moments) in enumerate(levels)]
+    moments = first_moments(injected) if moments is None else moments
+    levels = zip(build_levels(injected), build_levels(moments), strict=True)
+    return [nodes_of(i, cells, own) for i, (cells, own) in enumerate(levels)]
 
 
-def first_moments(injected: np.ndarray, origin=(0, 0, 0), size: float = 1.0) -> np.ndarray:
+def first_moments(injected, origin=(0, 0, 0), size: float = 1.0, placed=None) -> np.ndarray:
     """[z][y][x][4]: weight times the light's place, in cells of level 0, and the weight: band 0 of all channels.
-    origin: of the first cell; size: of the cells, in those of level 0."""
+    origin: of the first cell; size: of the cells, in those of level 0. placed: [z][y][x][3], weight times the place in
+    the cell, in cells from its middle (injection.inject_moments).
+
+    Where no one has told: VPLs were moved half a cell along their normals when they were injected, and lie anywhere in
+    their cells then. On average their surfaces are half a cell behind the middle, against the light's own first moment,
+    which is sqrt(3)/2 |c1| / c00 of the flux long (harmonics.dominant_lobe).
+    """
     weight = injected[..., 0].sum(axis=-1, keepdims=True)
     z, y, x = np.indices(weight.shape[:3])
-    behind = 0.5 * 0.5 * np.sqrt(3.0) * harmonics.vector(injected).sum(axis=-2)
-    places = weight * (np.stack([x, y, z], axis=-1) + origin + 0.5) - behind
+    if placed is None:
+        placed = -0.5 * 0.5 * np.sqrt(3.0) * harmonics.vector(injected).sum(axis=-2)
+    places = weight * (np.stack([x, y, z], axis=-1) + origin + 0.5) + placed
     return np.concatenate([size * places, weight], axis=-1)
 
 
@@ -89,17 +94,18 @@ def takes(cell: np.ndarray, node: np.ndarray, steps: int, last: bool, whole=True
 
 def gather(
     cells, nodes: Sequence[Nodes], cell_size: float, geometry: Sequence[Planes] | None = None, *,
-    base: int = 0, origins: Sequence[tuple[int, int, int]] = (), n: int = 0,
+    base: int = 0, origins: Sequence[tuple[int, int, int]] = (), ends: Sequence[np.ndarray] = (), n: int = 0,
 ) -> np.ndarray:  # fmt: skip
     """Irradiance (M, 6, 3) [face][rgb], W/m^2 (lx), on small faces in the middle of `cells` (M, 3) of level `base`
     whose normals are `transfer.DIRECTIONS`. cell_size: of that level, m. geometry: the geometry volume's levels, which
-    block; None for no occlusion. origins: of those levels that are windows of n^3 cells (cascades.py); the last is
-    whole, as are the levels above it."""
+    block; None for no occlusion. origins, ends: of those levels that are windows of n^3 cells (cascades.py); the last
+    is whole, as are the levels above it."""
     cells = np.asarray(cells)
     result = np.zeros((len(cells), 6, 3))
     starts = np.zeros((len(nodes), 3), dtype=int)
     starts[: len(origins)] = np.reshape(origins, (-1, 3))
-    blockers = None if geometry is None else (geometry[base:], starts[base:])
+    left_at = np.concatenate([np.reshape(ends, (-1, 2, 3)), np.tile(WHOLE, (len(nodes) - len(ends), 1, 1))])
+    blockers = None if geometry is None else (geometry[base:], starts[base:], left_at[base:])
     for level in nodes[base:]:
         whole: np.ndarray | bool = True
         if 0 < level.level < len(origins):
@@ -140,8 +146,8 @@ def _received(points: np.ndarray, nodes: Nodes, number: int, base: int, blockers
     size = 2.0 ** (nodes.level - base)
     arriving = intensity / (square + SPREAD * size**2)[:, None]
     if blockers is not None:
-        geometry, origins = blockers
-        arriving *= cone_transmittance(geometry, points, np.broadcast_to(place, points.shape), size, origins)[:, None]
+        geometry, *where = blockers
+        arriving *= cone_transmittance(geometry, points, np.broadcast_to(place, points.shape), size, *where)[:, None]
     return np.maximum(0.0, -direction @ DIRECTIONS.T)[:, :, None] * arriving[:, None, :]
 
 

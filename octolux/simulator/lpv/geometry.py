@@ -1,4 +1,4 @@
-"""The geometry volume: how much surface lies in each cell, where, and what of a ray it lets through.
+"""The geometry volume: how much surface lies in each cell, and where. What of a way it lets through: cones.py.
 
 Each surfel (a texel of an RSM or of the G-buffer) has an area and a normal. A cell holds the three projected areas
 a = sum of area |n| over the square of the cell size: the share of the cell's cross section that is blocked for light
@@ -29,7 +29,10 @@ Where this is not exact:
 - An object that is cut by the face between two cells has a plane in each, and a way may cross both.
 - A plane spans its cell. Of half a wall, half the light passes wherever it crosses.
 - Planes of a coarser cell lie at the mean of its children's (`coarser_planes`): a wall along the axes where it was, two
-  walls that it holds in their middle. The coarser the cells, the farther away is what they block (CONE_LENGTH).
+  walls that it holds in their middle. The coarser the cells, the farther away is what they block (cones.py).
+
+Nested windows (cascades.py) have no coarser levels but those above the last: each surfel is in every window that holds
+it, so that what a window's cells block does not depend on where the others lie.
 """
 
 from __future__ import annotations
@@ -41,17 +44,6 @@ import numpy as np
 
 from octolux.simulator.grid import Grid
 from octolux.simulator.lpv.octree import downsample, level_sizes
-
-CONE_LENGTH = 5.0
-"""Length over cell size at which the march along a cone goes on to the next level. A node is read from 1.5 to 3.5 of
-its sizes away (gathering.py), 2.5 on average: the cone to it is 1/2.5 as wide as it is long, and cells of half its
-width resolve what lies in it."""
-
-LEFT_OUT = 1.5
-"""Cells before the middle of a node of one cell that do not block its light: its own half, and the next."""
-
-SHORT = 0.9999
-"""Points are read a little before where they lie, so that rounding decides nothing where a way passes through edges."""
 
 BEHIND = 2.0**-8
 """Cells by which a surfel counts behind its surface, against the normal: a wall that lies on a face between cells is
@@ -210,70 +202,3 @@ def face_transmittance(shares) -> np.ndarray:
             side = (2.0 * blocked[..., travel] + blocked[..., axis]) / np.sqrt(5.0)
             result[..., axis, travel] = 1.0 - np.minimum(blocked[..., axis] if travel == axis else side, 1.0)
     return result
-
-
-def cone_transmittance(levels: Sequence[Planes], start, end, node_size, origins=None) -> np.ndarray:
-    """Share (M,) of light that passes from points `end` (M, 3) in nodes of `node_size` (M,) to points `start` (M, 3),
-    in the middle of cells, in cells of level 0: a cone from a point to the node, marched on the level whose cells are
-    half as wide as the cone.
-
-    Each step goes one cell of its level along the direction's longest component and reads the cell where it ends: the
-    first of the next level is another of the former, so that there is no gap (`_let_through`), and each layer of cells
-    across that component is crossed. What lies on both levels there counts on both: a wall stays closed.
-    Of a level whose array does not hold all of space, but begins at the cell `origins` (levels, 3), steps are made that
-    end in it.
-    The start's own cell is left out, and layers that begin, before `end`, within half the node, which is where its own
-    surfaces lie, or within its cell and another: they are what the light comes from and goes to, each up to half a cell
-    behind its point.
-    """
-    start, end = np.asarray(start, dtype=np.float64), np.asarray(end, dtype=np.float64)
-    distance = np.linalg.norm(end - start, axis=-1)
-    towards = (end - start) / np.where(distance > 0.0, distance, 1.0)[:, None]
-    axis = np.abs(towards).argmax(axis=-1)[:, None]
-    along, sense = (np.take_along_axis(a, axis, axis=-1)[:, 0] for a in (start, np.where(towards > 0.0, 1.0, -1.0)))
-    longest = np.maximum(np.abs(np.take_along_axis(towards, axis, axis=-1)[:, 0]), 1e-6)
-    step = SHORT * towards / longest[:, None]
-    whole = distance * longest
-    last = whole - np.maximum(LEFT_OUT, 0.5 * np.asarray(node_size)) - 0.25  # never half-way by rounding
-    passed, travelled, level = np.ones(len(start)), np.ones(len(start)), np.zeros(len(start), dtype=int)
-    origins = np.zeros((len(levels), 3), dtype=int) if origins is None else np.asarray(origins)
-    going = last > 0.5
-    while going.any():
-        width = 2.0**level
-        into = sense * (along + sense * travelled) % width  # how far in its layer each step of this level ends
-        point = start + step * travelled[:, None]
-        left = np.minimum((whole - travelled) / width, 1.0)[:, None]
-        stepped = np.zeros(len(start), dtype=bool)
-        for i, planes in enumerate(levels):
-            at, n = point / 2**i - origins[i], planes.fronts.shape[0]
-            held = np.all((at >= 0.0) & (at < n), axis=-1) | (i == len(levels) - 1)
-            here = going & (level == i) & held
-            passed[here] *= _let_through(planes, at[here], step[here], left[here])
-            stepped |= here
-        travelled = np.where(stepped, travelled + width, travelled)
-        going &= travelled - into < last
-        long_enough = travelled >= 2.0 * CONE_LENGTH * width * longest
-        level = level + (going & (long_enough | ~stepped) & (level < len(levels) - 1))
-    return passed
-
-
-def _let_through(planes: Planes, at: np.ndarray, step: np.ndarray, left: np.ndarray) -> np.ndarray:
-    """What one step's cell lets through (M,): the product of 1 - share over the planes that are crossed.
-
-    at: (M, 3), where the step ends, in cells. step: (M, 3), of one cell along its longest component. left: (M, 1), how
-    much of a further step there is, at most 1.
-
-    Cells are read where steps end, but each plane is crossed by one step: between the end of the one before, or the
-    cell's beginning if that lies in another along this axis, and its own, or the cell's end if the way goes on
-    beyond. So parts of a way within a cell follow on one another without gaps.
-    """
-    cell = np.clip(np.floor(at).astype(int), 0, planes.fronts.shape[0] - 1)
-    x, y, z = cell.T
-    share, plane = np.maximum(planes.fronts[z, y, x], planes.backs[z, y, x]), planes.offsets[z, y, x]
-    fraction, size, upwards = at - np.floor(at), np.abs(step), step > 0.0
-    within = np.where(upwards, fraction, 1.0 - fraction)  # counted along the way, as all below
-    ahead = np.where(upwards, plane, 1.0 - plane)
-    begin = np.where(within > size, within - size, -1.0)
-    end = np.where(within + left * size >= 1.0, 2.0, within)
-    crossed = (ahead > begin) & (ahead <= end)
-    return np.prod(1.0 - np.where(crossed, share, 0.0), axis=-1)

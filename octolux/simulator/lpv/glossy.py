@@ -26,7 +26,7 @@ import numpy as np
 
 from octolux.simulator import sh
 from octolux.simulator.brdf import alpha_of
-from octolux.simulator.lpv.geometry import SHORT
+from octolux.simulator.lpv.cones import SHORT
 
 CONE = sqrt(2.0 * pi)
 """Edge of the cells that resolve a GGX lobe, over its alpha and the length of the way. A lobe of half vectors has the
@@ -133,7 +133,7 @@ def march(
     and those of which no surfel is known on this side; and walls that the ray meets at a slant, of whose tent half is
     still behind them. Of what a plane takes the ray brings the mean radiance of what it has met since one or two cells,
     and nothing if it has met nothing. Steps begin on faces of their level's cells, if need be one
-    former step earlier, as those of geometry.cone_transmittance.
+    former step earlier, as those of cones.cone_transmittance.
     """
     start, towards = np.asarray(start, dtype=np.float64), np.asarray(towards, dtype=np.float64)
     count, rows = len(start), np.arange(len(start))

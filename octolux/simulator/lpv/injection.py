@@ -2,7 +2,8 @@
 
 A VPL that reflects flux Phi at normal n radiates the intensity I(w) = Phi / pi * max(0, n.w). CLPV 3.1 and OLPV 3.2.2
 write Phi <n|w>+ and leave the 1/pi out; `intensity_per_flux` is that factor: 1/pi keeps the flux, 1 is the
-thesis. Each VPL is moved half a cell along its normal first, so that it does not light the surface it sits on.
+thesis. Each VPL is moved half a cell along its normal first, so that it does not light the surface it sits on. Each of
+nested grids has all that lies in it, moved by half a cell of its own: what it holds does not depend on the others.
 """
 
 from __future__ import annotations
@@ -48,10 +49,10 @@ def small_object_share(size, cell_size: float) -> np.ndarray:
 
 
 def _scatter(values: np.ndarray, cells: np.ndarray, n: int) -> np.ndarray:
-    """Sum of `values` (M, 3, 4) by cell: [z][y][x][rgb][4] of the same type. Cells outside the grid are omitted."""
+    """Sum of `values` (M, ...) by cell: [z][y][x]... of the same type. Cells outside the grid are omitted."""
     kept = np.all((cells >= 0) & (cells < n), axis=-1)
     x, y, z = cells[kept].T
-    volume = np.zeros((n, n, n, 3, 4), dtype=values.dtype)
+    volume = np.zeros((n, n, n, *values.shape[1:]), dtype=values.dtype)
     np.add.at(volume, (z, y, x), values[kept])
     return volume
 
@@ -64,6 +65,14 @@ def inject(position, normal, flux, grid: Grid, intensity_per_flux: float = 1.0 /
     """
     cells = vpl_cells(position, normal, grid)
     return _scatter(vpl_coefficients(normal, flux, intensity_per_flux), cells, grid.n)
+
+
+def inject_moments(position, normal, flux, grid: Grid, intensity_per_flux: float = 1.0 / pi) -> np.ndarray:
+    """Where in its cells the light of `inject` comes from, [z][y][x][3]: the sum over VPLs of band 0 of all channels
+    times the place of the surface, which has not been moved, in cells from the middle of its light's cell."""
+    cells = vpl_cells(position, normal, grid)
+    weight = vpl_coefficients(normal, flux, intensity_per_flux)[..., 0].sum(axis=-1)
+    return _scatter(weight[:, None] * (grid.to_cells(position) - (cells + 0.5)), cells, grid.n)
 
 
 def fixed_point_scale(total_flux_bound, count: int, intensity_per_flux: float = 1.0 / pi) -> np.ndarray:

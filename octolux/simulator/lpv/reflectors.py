@@ -3,7 +3,8 @@
 Kaplanyan & Dachsbacher 2010, 7 reflect by the geometry volume's own lobe B, area / s^2 times the clamped cosine around
 the normal. Here a cell holds that lobe's values towards the six axes instead, sum of area max(0, +-n) / h^2 each: a
 thin wall that is seen from both sides faces both ways, which two bands would cancel. Beside them it has the mean albedo
-of its surfels, weighted by area: "spectral reflectivity" of section 6, and its luminance for monochrome reflection.
+of its surfels, weighted by area: "spectral reflectivity" of section 6, and its luminance for monochrome reflection;
+and, where gathered light bounces, the mean place of its surfels, from which what they reflect is sent.
 """
 
 from __future__ import annotations
@@ -25,15 +26,6 @@ def reflector_cells(position, normal, grid: Grid, offset: float) -> np.ndarray:
     return grid.cell_of(np.asarray(position, dtype=np.float64) + offset * grid.cell_size * np.asarray(normal))
 
 
-def finest_grid(position, normal, grids: Sequence[Grid], offset: float) -> np.ndarray:
-    """Which of nested `grids`, the finest first, is the first that holds each surfel: int64 (M,), -1 for none."""
-    result = np.full(len(position), -1)
-    for number, grid in reversed(list(enumerate(grids))):
-        cells = reflector_cells(position, normal, grid, offset)
-        result[np.all((cells >= 0) & (cells < grid.n), axis=-1)] = number
-    return result
-
-
 def inject_reflectors(position, normal, area, albedo, grid: Grid, offset: float) -> tuple[np.ndarray, np.ndarray]:
     """Of M surfels of one buffer, the shares [z][y][x][6] of the cells' cross sections that face +x, -x, +y, -y, +z,
     -z, at most 1 each; and the sums [z][y][x][4] of albedo times area, and of area, in cross sections.
@@ -52,6 +44,19 @@ def inject_reflectors(position, normal, area, albedo, grid: Grid, offset: float)
     weight = np.minimum(walls, MOST_WALLS)
     np.add.at(tints, (z, y, x), np.concatenate([albedo * weight, weight], axis=1))
     return np.minimum(shares, 1.0), tints
+
+
+def inject_places(position, normal, area, grid: Grid, offset: float) -> np.ndarray:
+    """Where in their cells M surfels of any buffers lie, [z][y][x][3]: the mean by area of the places of the surfaces
+    themselves, which have not been moved, in cells from the middle; 0 where nothing lies. Arguments as above."""
+    cells = reflector_cells(position, normal, grid, offset)
+    kept = np.all((cells >= 0) & (cells < grid.n), axis=-1)
+    x, y, z = cells[kept].T
+    weight = np.minimum(np.asarray(area, dtype=np.float64)[kept, None] / grid.cell_size**2, MOST_WALLS)
+    beside = grid.to_cells(np.asarray(position)[kept]) - (cells[kept] + 0.5)
+    sums = np.zeros((grid.n,) * 3 + (4,))
+    np.add.at(sums, (z, y, x), np.concatenate([beside * weight, weight], axis=1))
+    return sums[..., :3] / np.where(sums[..., 3:] > 0.0, sums[..., 3:], 1.0)
 
 
 def merge_reflectors(buffers: Sequence[tuple[np.ndarray, np.ndarray]]) -> np.ndarray:

@@ -1,19 +1,13 @@
 // The geometry volume's next coarser level (simulator/lpv/geometry.py, `coarser_planes`): fronts and backs are each
-// a quarter of the children's sum, as the cross section is four times as large, and lie where theirs do on average. A
-// window's cells that a finer window reaches have what is their own besides.
+// a quarter of the children's sum, as the cross section is four times as large, and lie where theirs do on average.
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if any(id >= vec3u({{ child_n // 2 }}u)) { return; }
-    {% if own %}
-    let parent = vec3u(windows[{{ level }}].origin / 2 - windows[{{ level + 1 }}].origin) + id;
-    {% else %}
-    let parent = id;
-    {% endif %}
-    let number = {{ parent_first }}u + parent.x + {{ parent_n }}u * (parent.y + {{ parent_n }}u * parent.z);
-    var front = {% if own %}fronts[number]{% else %}vec4f(0.0){% endif %};
-    var back = {% if own %}backs[number]{% else %}vec4f(0.0){% endif %};
-    var moment = {% if own %}(front + back) * offsets[number]{% else %}vec4f(0.0){% endif %};
+    let number = {{ parent_first }}u + id.x + {{ child_n // 2 }}u * (id.y + {{ child_n // 2 }}u * id.z);
+    var front = vec4f(0.0);
+    var back = vec4f(0.0);
+    var moment = vec4f(0.0);
     for (var child = 0u; child < 8u; child++) {
         let corner = vec3u(child & 1u, (child >> 1u) & 1u, child >> 2u);
         let at = 2u * id + corner;

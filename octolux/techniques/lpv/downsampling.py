@@ -8,15 +8,13 @@ from ...gpu.bindings import storage_rw
 from ...gpu.device import Device
 from ...gpu.passes import ComputePass
 from .levels import Levels
-from .windows import WINDOW, windows_binding
 
 _AT_ONCE = 3  # levels that a workgroup makes in one dispatch
 # But the first, which has most of the cells, comes alone: it is twice as fast where no thread waits for another.
 
 
 class Downsampling:
-    """Fills the levels above the windows of a buffer of vec4f [level][z][y][x][per_cell]: of the whole level 0, or of
-    several nested windows, each of which first adds its cells to what the next one has there of its own.
+    """Fills the levels above the last window of a buffer of vec4f [level][z][y][x][per_cell].
 
     A parent is `factor` times the sum of its children, each number at most `limit` if there is one: 1 keeps flux,
     1/8 is OLPV's eq. 11.
@@ -26,14 +24,6 @@ class Downsampling:
         self, device: Device, levels: Levels, *, per_cell: int, factor: float = 1.0, limit: float | None = None
     ):
         values: dict[str, Any] = {"workgroup": (4, 4, 4), "per_cell": per_cell, "factor": factor, "limit": limit}
-        self._half = levels.sizes[0] // 2
-        self._into_next = [
-            ComputePass(
-                device, "downsample", "techniques/lpv/add_children.wgsl",
-                [storage_rw("cells", "vec4f"), windows_binding(levels.windows)], structs=[WINDOW], level=level,
-                n=levels.sizes[0], **values,
-            ) for level in range(levels.windows - 1)
-        ]  # fmt: skip
         self._passes: list[tuple[int, ComputePass]] = []
         whole, last = levels.windows - 1, len(levels.sizes) - 1
         for base in (whole, *range(whole + 1, last, _AT_ONCE)) if last > whole else ():
@@ -45,9 +35,6 @@ class Downsampling:
             )  # fmt: skip
             self._passes.append((levels.sizes[base + 1], made))
 
-    def run(self, stage: Any, cells: Any, windows: Any = None) -> None:
-        """windows: uniform buffer of WINDOW, where there are several."""
-        for each in self._into_next:
-            each.run(stage, (self._half,) * 3, cells=cells, windows=windows)
+    def run(self, stage: Any, cells: Any) -> None:
         for n, each in self._passes:
             each.run(stage, (n, n, n), cells=cells)

@@ -101,14 +101,14 @@ class EmittedLights:
 class EmittedInjection:
     """Adds records to light that is there already: vec4f [grid][z][y][x][rgb], W/sr, and to its peak.
 
-    grids: nested ones, the finest first, each of n^3 cells. A record goes into the finest that holds it, or into
-    `every`.
+    grids: nested ones, the finest first, each of n^3 cells. A record goes into each that holds it.
+    moments: `run` is given those that `Injection` has left, and adds to them.
     """
 
-    def __init__(self, device: Device, n: int, *, grids: int = 1, every: bool = False):
+    def __init__(self, device: Device, n: int, *, grids: int = 1, moments: bool = False):
         self.device = device
-        self._layers = grids if every else 1
-        self._sums = device.buffer("LPV emitted sums", size=grids * n**3 * 48)
+        self._layers, self._moments = grids, moments
+        self._sums = device.buffer("LPV emitted sums", size=grids * n**3 * (64 if moments else 48))
         self._sources: list[Any] = []
         bindings = [uniform("source", SOURCE), grids_binding(grids), records("emitted", EMITTED)]
 
@@ -116,16 +116,23 @@ class EmittedInjection:
             return ComputePass(
                 device, f"{label} emitted light", "techniques/lpv/emitted.wgsl",
                 [*bindings, atomic_words("sums", "i32"), *more],
-                structs=[SOURCE, GRID, EMITTED], workgroup=(64, 1, 1), grids=grids, every=every, collect=collect,
-                **SH_CONSTANTS,
+                structs=[SOURCE, GRID, EMITTED], workgroup=(64, 1, 1), grids=grids, collect=collect,
+                moments=moments, **SH_CONSTANTS,
             )  # fmt: skip
 
         self._scatter = made("inject", False, ())
-        self._collect = made("collect", True, (storage_rw("injected", "f32"), atomic_words("peak", "u32")))
+        self._collect = made("collect", True, (
+            storage_rw("injected", "f32"), atomic_words("peak", "u32"),
+            *([storage_rw("moments", "f32")] if moments else []),
+        ))  # fmt: skip
 
-    def run(self, stage: Any, grids: Any, lights: EmittedLights, injected: Any, peak: Any) -> None:
-        """Add the light. grids: uniform buffer of GRID, one for each.  injected, peak: as `Injection` leaves them."""
+    def run(
+        self, stage: Any, grids: Any, lights: EmittedLights, injected: Any, peak: Any, moments: Any = None
+    ) -> None:
+        """Add the light. grids: uniform buffer of GRID, one for each.  injected, peak, moments: as `Injection` leaves
+        them."""
         shared = {"grids": grids, "emitted": lights.texture, "sums": self._sums}
+        placed = {"moments": moments} if self._moments else {}
         used = 0
         for group in group_sources(lights.sources):
             ranges = [(self._source_buffer(used + i, packed), packed) for i, packed in enumerate(group.pack())]
@@ -134,7 +141,7 @@ class EmittedInjection:
                 self._scatter.run(stage, (int(packed["count"][0]), self._layers), source=source, **shared)
             for source, packed in ranges:
                 threads = (int(packed["count"][0]), self._layers)
-                self._collect.run(stage, threads, source=source, injected=injected, peak=peak, **shared)
+                self._collect.run(stage, threads, source=source, injected=injected, peak=peak, **placed, **shared)
 
     def _source_buffer(self, number: int, packed: np.ndarray) -> Any:
         """A uniform buffer for each dispatch of a frame: all are written before the first of them runs."""

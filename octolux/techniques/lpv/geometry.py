@@ -22,7 +22,6 @@ from .downsampling import Downsampling
 from .injection import RUN, atomic_words, walks
 from .levels import ROW, Levels
 from .surfels import surfel_buffers
-from .windows import WINDOW, windows_binding
 
 # Surfels from number `first` on, in rows of `width`. block: pixels along each side of one's block of the G-buffer.
 # sums: number of the first cell of this buffer's sums.  one: a wall in fixed point.
@@ -46,16 +45,14 @@ class GeometryVolume:
     both lie in the cell, from 0 to 1; and `packed`: what is blocked, and where, in a word, for those who read many,
     after `pack`.
 
-    coarsest level as in `levels`. camera: the G-buffer's surfaces count besides those that lights see. `every`: each
-    surfel is in every grid that holds it, not in the finest alone, of which the coarser ones are then made.
+    coarsest level as in `levels`. camera: the G-buffer's surfaces count besides those that lights see. Each surfel is
+    in every window that holds it: what they hold does not depend on where the others lie.
     """
 
-    def __init__(
-        self, device: Device, levels: Levels, camera: bool = True, *, every: bool = False, planes: bool = True
-    ):
-        self.device, self.levels, self.n, self._camera, self._planes = device, levels, levels.sizes[0], camera, planes
+    def __init__(self, device: Device, levels: Levels, camera: bool = True, *, planes: bool = True):
+        self.device, self.levels, self.n, self._camera, self.planes = device, levels, levels.sizes[0], camera, planes
         self._cells = levels.windows * self.n**3
-        self._layers = levels.windows if every else 1
+        self._layers = levels.windows
         bytes_of_sums = self._cells * (48 if planes else 12)
         self._at_once = max(1, min(_AT_ONCE, DEFAULT_LIMITS["max-storage-buffer-binding-size"] // bytes_of_sums))
         self._sides = ("fronts", "backs") if planes else ("shares",)
@@ -67,7 +64,7 @@ class GeometryVolume:
         self._surfels: list[Any] = []
         self._values: dict[str, Any] = {
             "cells": self._cells, "min_cosine": MIN_COSINE, "run": RUN, "behind": BEHIND, "grids": levels.windows,
-            "every": every, "planes": planes,
+            "planes": planes,
         }  # fmt: skip
         self._make_surfel_passes()
         self._downsampling = None
@@ -75,7 +72,7 @@ class GeometryVolume:
         if planes:
             self.packed = device.buffer("LPV geometry volume", size=levels.cells * 4)
             self._make_plane_passes()
-        elif not every:
+        elif levels.windows == 1:
             self._downsampling = Downsampling(device, levels, per_cell=1, factor=0.25, limit=1.0)
 
     @property
@@ -109,13 +106,10 @@ class GeometryVolume:
 
     def _make_plane_passes(self) -> None:
         levels, device = self.levels, self.device
-        for level, n in enumerate(levels.sizes[:-1]):
-            own = level < levels.windows - 1
+        for level, n in list(enumerate(levels.sizes[:-1]))[levels.windows - 1 :]:
             made = ComputePass(
-                device, "downsample", "techniques/lpv/coarser_planes.wgsl",
-                [*self._volume_bindings(), *([windows_binding(levels.windows)] if own else [])], structs=[WINDOW] * own,
-                workgroup=(4, 4, 4), own=own, level=level, child_n=n, child_first=levels.first(level),
-                parent_n=levels.sizes[level + 1], parent_first=levels.first(level + 1),
+                device, "downsample", "techniques/lpv/coarser_planes.wgsl", self._volume_bindings(),
+                workgroup=(4, 4, 4), child_n=n, child_first=levels.first(level), parent_first=levels.first(level + 1),
             )  # fmt: skip
             self._coarser.append((n // 2, made))
         self._pack = ComputePass(
@@ -124,15 +118,13 @@ class GeometryVolume:
             workgroup=(64, 1, 1), row=ROW, cells=levels.cells,
         )  # fmt: skip
 
-    def run(
-        self, stage: Any, frame: Frame, grids: Any, windows: Any = None, scene: SceneSurfels | None = None
-    ) -> None:
+    def run(self, stage: Any, frame: Frame, grids: Any, scene: SceneSurfels | None = None) -> None:
         """From the RSM of each lamp, each merged by maximum (CLPV 3.2), and the G-buffer; or from the whole `scene`.
-        grids: uniform buffer of GRID, one for each window; windows: of WINDOW, where there are several."""
+        grids: uniform buffer of GRID, one for each window."""
         for name in self._sides:
             stage.encoder.clear_buffer(self.volume[name], 0, self._cells * 16)  # coarser levels are written over
         buffers = list(surfel_buffers(frame, self._camera, scene))
-        one = fixed_point_wall(max((buffer.count for buffer in buffers), default=0), self._planes)
+        one = fixed_point_wall(max((buffer.count for buffer in buffers), default=0), self.planes)
         for number, buffer in enumerate(buffers):
             surfels = self._surfels_buffer(number, one, buffer.where)
             common = {"surfels": surfels, "grids": grids, "sums": self._sums}
@@ -149,10 +141,9 @@ class GeometryVolume:
                 merge = self._merges[self._at_once if last else 1]
                 merge.run(stage, (self._cells,), surfels=surfels, sums=self._sums, **self.volume)
         if self._downsampling:
-            self._downsampling.run(stage, self.shares, windows)
-        for level, (half, each) in enumerate(self._coarser):
-            given = {"windows": windows} if level < self.levels.windows - 1 else {}
-            each.run(stage, (half,) * 3, **self.volume, **given)
+            self._downsampling.run(stage, self.shares)
+        for half, each in self._coarser:
+            each.run(stage, (half,) * 3, **self.volume)
 
     def pack(self, stage: Any) -> None:
         """Make `packed` of the shares and their planes."""

@@ -35,20 +35,24 @@ class Injection:
     """Adds lights' VPLs to `injected`: vec4f [z][y][x][rgb], W/sr. `peak` holds its largest band-0 coefficient.
 
     cells: how many `injected` has room for, if more than those of the grids (coarser levels of an octree follow them).
-    grids: nested ones, the finest first, each of n^3 cells. A VPL goes into the finest that holds it, or into `every`.
+    grids: nested ones, the finest first, each of n^3 cells. A VPL goes into each that holds it: what a grid has
+    does not depend on where the others lie.
+    moments: besides, where in its cells the light's surfaces lie: `moments`, vec4f [grid][z][y][x], the sum over all
+    VPLs of band 0 of all channels times the place of the surface, in cells from the cell's middle.
     small_objects: of those below the size of a cell, "keep" all light; "fade" it, or that of those that move: "fade
     moving" (CLPV 4.1, 4.2; simulator/lpv/injection.py).
     """
 
     def __init__(
-        self, device: Device, n: int, cells: int | None = None, *, grids: int = 1, every: bool = False,
-        small_objects: str = "keep",
+        self, device: Device, n: int, cells: int | None = None, *, grids: int = 1,
+        small_objects: str = "keep", moments: bool = False,
     ):  # fmt: skip
         self.device, self.n, self._fades = device, n, small_objects != "keep"
-        self._cells, self._layers = grids * n**3, grids if every else 1
+        self._cells, self._layers = grids * n**3, grids
         self.injected = device.buffer("LPV injected light", size=(cells or self._cells) * 48)
         self.peak = device.buffer("LPV peak", size=4)
-        self._sums = device.buffer("LPV fixed-point sums", size=self._cells * 48)
+        self.moments = device.buffer("LPV injected moments", size=self._cells * 16) if moments else None
+        self._sums = device.buffer("LPV fixed-point sums", size=self._cells * (64 if moments else 48))
         self._sources: list[Any] = []
         source = uniform("source", SOURCE)
         self._inject = ComputePass(
@@ -56,12 +60,13 @@ class Injection:
             [source, grids_binding(grids), records("vpls", VPL), atomic_words("sums", "i32"),
              *([words("surfaces")] if self._fades else [])],
             structs=[SOURCE, GRID, VPL, *([INSTANCE] if self._fades else [])], workgroup=(64, 1, 1), run=RUN,
-            grids=grids, every=every, small_objects=small_objects, **SH_CONSTANTS, **TRAIT_VALUES,
+            grids=grids, small_objects=small_objects, moments=moments, **SH_CONSTANTS, **TRAIT_VALUES,
         )  # fmt: skip
         self._collect = ComputePass(
             device, "collect", "techniques/lpv/collect.wgsl",
-            [source, storage_rw("sums", "vec4i"), storage_rw("injected", "vec4f"), atomic_words("peak", "u32")],
-            structs=[SOURCE], workgroup=(64, 1, 1),
+            [source, storage_rw("sums", "vec4i"), storage_rw("injected", "vec4f"), atomic_words("peak", "u32"),
+             *([storage_rw("moments", "vec4f")] if moments else [])],
+            structs=[SOURCE], workgroup=(64, 1, 1), moments=moments,
         )  # fmt: skip
 
     def run(self, stage: Any, grids: Any, vpls: Any, sources: Sequence[VplSource], surfaces: Any = None) -> None:
@@ -70,6 +75,10 @@ class Injection:
         traits = {"surfaces": surfaces} if self._fades else {}
         stage.encoder.clear_buffer(self.injected, 0, self._cells * 48)  # coarser levels are written over
         stage.encoder.clear_buffer(self.peak)
+        placed = {}
+        if self.moments is not None:
+            stage.encoder.clear_buffer(self.moments)
+            placed["moments"] = self.moments
         used = 0
         for group in group_sources(sources):
             for packed in group.pack():
@@ -78,7 +87,7 @@ class Injection:
                 threads = (walks(int(packed["count"][0]), int(packed["width"][0])), self._layers)
                 self._inject.run(stage, threads, source=buffer, grids=grids, vpls=vpls, sums=self._sums, **traits)
             self._collect.run(
-                stage, (self._cells,), source=buffer, sums=self._sums, injected=self.injected, peak=self.peak
+                stage, (self._cells,), source=buffer, sums=self._sums, injected=self.injected, peak=self.peak, **placed
             )
 
     def _source_buffer(self, number: int, packed: Any) -> Any:

@@ -22,7 +22,6 @@ from .geometry import SURFELS
 from .injection import RUN, atomic_words, walks
 from .levels import Levels
 from .surfels import SurfelBuffer, surfel_buffers
-from .windows import WINDOW, windows_binding
 
 _ONE = 1 << 16  # fixed point of shares, as the geometry volume's
 # Of albedo times area. A walk of RUN surfels of MOST_WALLS each stays below 2^32.
@@ -34,8 +33,9 @@ class Reflectors:
     """`reflectors`: vec4f x 3 a cell [level][z][y][x]: the shares of its cross section that face +x, -x, +y, -y | +z,
     -z, 0, 0 | the mean albedo, linear, and its luminance; 0 where no surface lies.
 
-    levels: as the geometry volume's. Its windows are filled, each surfel in the finest that holds it, until `complete`
-    makes the coarser ones whole; or in `every` one that does. The octree's levels above are the caller's.
+    `places`, if asked for: vec4f a cell, where in it these surfaces lie on average, in cells from its middle.
+
+    levels: as the geometry volume's. All windows are filled; the octree's levels above are the caller's.
     offset: cells by which a surfel counts before its surface, along the normal: 0.5 is where inject.wgsl puts VPLs,
     -BEHIND (simulator/lpv/geometry.py) where the geometry volume has shares.
     squares: shares are areas times the squares of the normal's components, which add up to the area: what a cube of
@@ -45,10 +45,10 @@ class Reflectors:
     """
 
     def __init__(
-        self, device: Device, levels: Levels, offset: float, camera: bool = True, *, every: bool = False,
-        squares: bool = False,
+        self, device: Device, levels: Levels, offset: float, camera: bool = True, *, squares: bool = False,
+        places: bool = False,
     ):  # fmt: skip
-        self.device, self._camera, self._layers = device, camera, levels.windows if every else 1
+        self.device, self._camera, self._layers = device, camera, levels.windows
         self._cells = cells = levels.windows * levels.sizes[0] ** 3
         room = DEFAULT_LIMITS["max-storage-buffer-binding-size"]
         if levels.cells * 48 > room:
@@ -56,13 +56,15 @@ class Reflectors:
         self._at_once = min(_AT_ONCE, room // (cells * 24))
         self.reflectors = device.buffer("LPV reflectors", size=levels.cells * 48)
         self._sums = device.buffer("LPV reflector sums", size=self._at_once * cells * 24)
-        self._tints = device.buffer("LPV reflector sums", size=cells * 32)
+        self._tints = device.buffer("LPV reflector sums", size=cells * (56 if places else 32))
+        self.places = device.buffer("LPV reflector places", size=cells * 16) if places else None
         self._surfels: list[Any] = []
         bindings = [uniform("surfels", SURFELS), grids_binding(levels.windows), atomic_words("sums", "u32"),
                     atomic_words("tints", "u32")]  # fmt: skip
         values: dict[str, Any] = {
-            "run": RUN, "grids": levels.windows, "every": every, "offset": offset, "min_cosine": MIN_COSINE,
-            "one": _ONE, "tint_one": _TINT_ONE, "most_walls": MOST_WALLS, "squares": squares, **TRAIT_VALUES,
+            "run": RUN, "grids": levels.windows, "offset": offset, "min_cosine": MIN_COSINE,
+            "one": _ONE, "tint_one": _TINT_ONE, "most_walls": MOST_WALLS, "squares": squares, "places": places,
+            **TRAIT_VALUES,
         }  # fmt: skip
         self._from_vpls = ComputePass(
             device, "reflectors of an RSM", "techniques/lpv/reflectors_rsm.wgsl",
@@ -74,14 +76,6 @@ class Reflectors:
             [*bindings, views_binding(), texture("depth_map"), *pixel_bindings()],
             structs=[SURFELS, GRID, VIEW, *PIXEL_STRUCTS], workgroup=(64, 1, 1), **values,
         )  # fmt: skip
-        self._half = levels.sizes[0] // 2
-        self._coarser = [
-            ComputePass(
-                device, "coarser reflectors", "techniques/lpv/coarser_reflectors.wgsl",
-                [storage_rw("reflectors", "vec4f"), windows_binding(levels.windows)], structs=[WINDOW],
-                workgroup=(4, 4, 4), level=level, n=levels.sizes[0],
-            ) for level in range(0 if every else levels.windows - 1)
-        ]  # fmt: skip
         self._merges: dict[tuple[int, bool, bool], ComputePass] = {}
 
     def _merging(self, buffers: int, first: bool, last: bool) -> ComputePass:
@@ -89,11 +83,12 @@ class Reflectors:
         has to be told beforehand what it need not read."""
         key = (buffers, first, last)
         if key not in self._merges:
-            tints = [storage("tints", "vec4u")] if last else []
+            tints = [storage("tints", "vec2u")] if last else []
+            places = [storage_rw("places", "vec4f")] if last and self.places is not None else []
             self._merges[key] = ComputePass(
                 self.device, "merge reflectors", "techniques/lpv/reflectors_merge.wgsl",
-                [storage("sums", "vec2u"), storage_rw("reflectors", "vec4f"), *tints], workgroup=(64, 1, 1),
-                buffers=buffers, first=first, last=last, cells=self._cells, one=_ONE,
+                [storage("sums", "vec2u"), storage_rw("reflectors", "vec4f"), *tints, *places], workgroup=(64, 1, 1),
+                buffers=buffers, first=first, last=last, places=bool(places), cells=self._cells, one=_ONE,
                 luminance=", ".join(map(str, LUMINANCE)),
             )  # fmt: skip
         return self._merges[key]
@@ -113,13 +108,10 @@ class Reflectors:
                 self._scatter(stage, frame, grids, number, buffer)
             last = start + len(group) == len(buffers)
             tints = {"tints": self._tints} if last else {}
+            if last and self.places is not None:
+                tints["places"] = self.places
             merge = self._merging(len(group), start == 0, last)
             merge.run(stage, (self._cells,), sums=self._sums, reflectors=self.reflectors, **tints)
-
-    def complete(self, stage: Any, windows: Any) -> None:
-        """Add to each window what finer ones have in its reach. windows: uniform buffer of WINDOW."""
-        for each in self._coarser:
-            each.run(stage, (self._half,) * 3, reflectors=self.reflectors, windows=windows)
 
     def _scatter(self, stage: Any, frame: Frame, grids: Any, number: int, buffer: SurfelBuffer) -> None:
         surfels, threads = self._surfels_buffer(number, buffer), (walks(buffer.count, buffer.width), self._layers)

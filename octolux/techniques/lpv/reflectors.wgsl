@@ -1,5 +1,5 @@
 // Reflectors (simulator/lpv/reflectors.py): of each surfel the shares of its cell's cross section that face the six
-// directions, summed for each buffer, and its albedo times its area, summed over all buffers, both in fixed point.
+// directions, summed for each buffer, and its albedo times its area, {% if places %}and its place in the cell, {% endif %}summed over all buffers, all in fixed point.
 //
 // A thread walks down {{ run }} surfels of a map's column and scatters what it has added up when it meets a third cell, as
 // inject.wgsl does and for its reasons. Each surfel is rounded by itself, so the sums have the same bits in any order.
@@ -8,20 +8,25 @@
 
 struct Surfel { position: vec3f, normal: vec3f, area: f32 } // no area: nothing is there
 // Up to a whole wall along each axis, towards its upper and its lower end; red, green, blue and area.
-struct Sums { upper: vec3u, lower: vec3u, tint: vec4u }
+struct Sums { upper: vec3u, lower: vec3u, tint: vec4u{% if places %}, place: vec3u{% endif %} }
 
-fn sums_of(surfel: Surfel, albedo: vec3f, per_area: f32) -> Sums {
-    let walls = surfel.area * per_area;
+fn sums_of(surfel: Surfel, albedo: vec3f, held: Held) -> Sums {
+    let walls = surfel.area * per_cross_section(held.cell);
     let facing = {{ "surfel.normal * abs(surfel.normal)" if squares else "surfel.normal" }};
     let upper = {{ one }}.0 * min(vec3f(1.0), max(vec3f(0.0), facing) * walls);
     let lower = {{ one }}.0 * min(vec3f(1.0), max(vec3f(0.0), -facing) * walls);
-    let tint = vec4f(albedo, 1.0) * (min({{ most_walls }}.0, walls) * {{ tint_one }}.0);
-    return Sums(vec3u(round(upper)), vec3u(round(lower)), vec4u(round(tint)));
+    let weight = min({{ most_walls }}.0, walls) * {{ tint_one }}.0;
+    {% if places %}
+    let place = 0.5 * (held.unshifted + 0.5); // 0 to 1: at most a cell from its middle
+    {% endif %}
+    return Sums(vec3u(round(upper)), vec3u(round(lower)), vec4u(round(weight * vec4f(albedo, 1.0))){% if places %},
+                vec3u(round(weight * place)){% endif %});
 }
 
 fn sum_of(a: Sums, b: Sums, taken: bool) -> Sums {
     return Sums(a.upper + select(vec3u(0u), b.upper, taken), a.lower + select(vec3u(0u), b.lower, taken),
-                a.tint + select(vec4u(0u), b.tint, taken));
+                a.tint + select(vec4u(0u), b.tint, taken){% if places %},
+                a.place + select(vec3u(0u), b.place, taken){% endif %});
 }
 
 // A walk that brings a whole wall closes the cell: more would only come nearer to 2^32.
@@ -44,8 +49,11 @@ fn scatter(cell: u32, sum: Sums) {
     add_share(at + {{ 2 * axis + 1 }}u, sum.lower[{{ axis }}]);
     {% endfor %}
     {% for k in range(4) %}
-    add_tint(8u * cell + {{ 2 * k }}u, sum.tint[{{ k }}]);
+    add_tint({{ 14 if places else 8 }}u * cell + {{ 2 * k }}u, sum.tint[{{ k }}]);
     {% endfor %}
+    {% if places %}{% for k in range(3) %}
+    add_tint(14u * cell + {{ 8 + 2 * k }}u, sum.place[{{ k }}]);
+    {% endfor %}{% endif %}
 }
 
 @compute @workgroup_size({{ workgroup }})
@@ -62,12 +70,13 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         loop {
             let number = start + i * surfels.width;
             let surfel = surfel_at(number);
-            let cell = held_by(id.y, surfel.position, {{ offset }} * surfel.normal).cell;
+            let held = held_by(id.y, surfel.position, {{ offset }} * surfel.normal);
+            let cell = held.cell;
             let used = surfel.area > 0.0 && cell != NOWHERE;
             one = select(one, cell, used && one == NOWHERE);
             other = select(other, cell, used && cell != one && other == NOWHERE);
             if used && cell != one && cell != other { break; }
-            let sums = sums_of(surfel, unpack_traits(traits_at(number)).albedo, per_cross_section(cell));
+            let sums = sums_of(surfel, unpack_traits(traits_at(number)).albedo, held);
             of_one = sum_of(of_one, sums, used && cell == one);
             of_other = sum_of(of_other, sums, used && cell == other);
             i++;

@@ -1,5 +1,9 @@
 // Of the shares that several buffers have seen in a cell, the most count (CLPV 3.2).{% if last %} The albedo is the mean of all.{% endif %}
 
+{% if last %}
+fn tint_sum(at: u32) -> f32 { return f32(tints[at].x) + 4294967296.0 * f32(tints[at].y); }
+{% endif %}
+
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let cell = id.x;
@@ -23,10 +27,13 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     reflectors[3u * cell] = x_and_y;
     reflectors[3u * cell + 1u] = z;
     {% if last %}
-    let red_green = tints[2u * cell];
-    let blue_area = tints[2u * cell + 1u];
-    let tint = vec4f(vec4u(red_green.xz, blue_area.xz)) + 4294967296.0 * vec4f(vec4u(red_green.yw, blue_area.yw));
+    {% set words = 7 if places else 4 %}
+    let tint = vec4f({% for k in range(4) %}tint_sum({{ words }}u * cell + {{ k }}u){{ "" if loop.last else ", " }}{% endfor %});
     let albedo = tint.rgb / max(tint.a, 1.0);
     reflectors[3u * cell + 2u] = vec4f(albedo, dot(albedo, vec3f({{ luminance }})));
+    {% if places %}
+    let place = vec3f({% for k in range(4, 7) %}tint_sum(7u * cell + {{ k }}u){{ "" if loop.last else ", " }}{% endfor %});
+    places[cell] = vec4f(select(vec3f(0.0), 2.0 * place / tint.a - 1.0, tint.a > 0.0), 0.0);
+    {% endif %}
     {% endif %}
 }

@@ -12,10 +12,16 @@ from ...gpu.layout import Struct
 from ...simulator.lpv.injection import INT32_MAX, fixed_point_scale
 
 # The count VPLs from number `first` on, in rows of `width`. scale: from flux to fixed point; to_intensity: back.
-SOURCE = Struct("Source", scale="vec3f", first="u32", to_intensity="vec3f", count="u32", width="u32")
+# moment_scale: of the intensity of all channels together, times a place in the cell.
+SOURCE = Struct(
+    "Source", scale="vec3f", first="u32", to_intensity="vec3f", count="u32", width="u32", moment_scale="f32"
+)
 MIN_STEPS = 2**12
 """Lights share a scale while a VPL of each one's mean flux has this many steps of fixed point: rounding then moves it
 by at most 2^-13 of it, half of what the half floats that cells may be stored as do."""
+MOST_BESIDE = 1.25
+"""Cells from the middle of its light's cell, along each axis, that a surface lies at most: half a cell, and half a cell
+times a beam (simulator/lpv/emitted.py, MOST_BEAM) that the light has been moved by."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +41,8 @@ class VplSource:
 class SourceGroup:
     """Lights that share a scale, that of their fluxes' sum.
 
-    total: per channel, W/sr but for the lobe's factor, at least the sum of all.  least: the smallest mean of a light.
+    total: per channel, W/sr but for the lobe's factor, at least the sum of all; and of all channels together times
+    MOST_BESIDE, for moments.  least: the smallest mean of a light.
     """
 
     sources: list[VplSource]
@@ -45,7 +52,8 @@ class SourceGroup:
     @staticmethod
     def bounds(source: VplSource) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """`total` and `least` of one light alone."""
-        total = tuple(float(f) * source.intensity_per_flux for f in source.total_flux)
+        channels = tuple(float(f) * source.intensity_per_flux for f in source.total_flux)
+        total = (*channels, MOST_BESIDE * sum(channels))
         return total, tuple(f / source.count if f > 0.0 else inf for f in total)
 
     def joined_by(self, source: VplSource) -> SourceGroup | None:
@@ -67,11 +75,12 @@ class SourceGroup:
             else:
                 ranges.append(source)
         count = sum(s.count for s in self.sources)
-        scale = fixed_point_scale(self.total, count, intensity_per_flux=1.0)
+        scales = fixed_point_scale(self.total, count, intensity_per_flux=1.0)
+        scale, moment_scale = scales[:3], scales[3]
         return [
             SOURCE.pack(
                 scale=scale * r.intensity_per_flux,
-                to_intensity=1.0 / scale, first=r.first, count=r.count, width=r.width,
+                to_intensity=1.0 / scale, first=r.first, count=r.count, width=r.width, moment_scale=moment_scale,
             )
             for r in ranges
         ]  # fmt: skip

@@ -11,10 +11,10 @@ from ....gpu.device import Device
 from ....gpu.passes import ComputePass
 from ....simulator.lpv.octree import level_sizes
 from ..constants import SH_CONSTANTS
-from ..downsampling import Downsampling
 from ..gathering.gathering import Gathering
 from ..injection import atomic_words
 from ..levels import Levels
+from ..reflectors import Reflectors
 from ..windows import WINDOW, windows_binding
 
 _ALL = 1 << 26  # all that has been sent, in fixed point: surfaces may receive up to 64 times as much
@@ -32,13 +32,11 @@ class Bounces:
         self.device, self.n, self._count, self._windows = device, n, count, windows
         whole = Levels(level_sizes(n))
         self._gathering = Gathering(
-            device, whole, occlusion=occlusion, lookup_offset=0.0, shares_first=(windows - 1) * n**3
+            device, whole, occlusion=occlusion, lookup_offset=0.0, shares_first=(windows - 1) * n**3,
+            unit=2 ** (windows - 1),
         )
         self._light = device.buffer("LPV bounced light", size=whole.cells * 48)
-        nested = Levels([n] * windows, windows)
-        self._nested = device.buffer("LPV nested light", size=nested.cells * 48) if windows > 1 else None
         self._received = device.buffer("LPV received light", size=16)
-        self._into_last = Downsampling(device, nested, per_cell=3)
         usage = TEXTURE | STORAGE | COPY
         self._sums = [
             device.texture("LPV bounced irradiance", (n, n, 6 * n), "rgba16float", usage=usage, dimension="3d")
@@ -69,48 +67,42 @@ class Bounces:
                 device, "reflect", "techniques/lpv/bouncing/reflect.wgsl",
                 [reflectors, cube, *([] if first else [texture("sum_so_far", "float", "3d")]),
                  storage_texture("sum_out", "rgba16float", "3d"), storage_rw("light", "vec4f", "write"), peak,
-                 storage("received", "u32")],
+                 storage("received", "u32"), storage("places", "vec4f"), storage_rw("moments", "vec4f", "write")],
                 workgroup=(4, 4, 4), first=first, **values,
             ) for first in (True, False)
         ]  # fmt: skip
         self._inject = ComputePass(
             device, "inject bounces", "techniques/lpv/bouncing/inject_bounces.wgsl",
             [reflectors, cube, sampler("volume_sampler"), storage("peak", "u32"), windows_binding(windows),
-             storage_rw("injected", "vec4f")],
+             storage_rw("injected", "vec4f"), storage_rw("moments", "vec4f"), storage("places", "vec4f")],
             structs=[WINDOW], workgroup=(4, 4, 4), **values,
         )  # fmt: skip
 
     def run(
-        self, stage: Any, injected: Any, peak: Any, reflectors: Any, packed_shares: Any, windows: Any
-    ) -> None:
-        """Add bounced light to each window's own cells of `injected`. reflectors: lpv/reflectors.py's, with coarser
-        windows complete; packed_shares: geometry.py's."""
-        n = self.n
+        self, stage: Any, injected: Any, moments: Any, peak: Any, reflectors: Reflectors, packed_shares: Any,
+        windows: Any,
+    ) -> None:  # fmt: skip
+        """Add bounced light to the cells of all windows of `injected`, which are complete, and to their `moments`
+        (gathering.py). reflectors: with places; packed_shares: geometry.py's."""
+        n, surfaces = self.n, {"reflectors": reflectors.reflectors, "places": reflectors.places}
         self._gathering.forget(stage)
-        self._mark.run(stage, (n**3,), reflectors=reflectors, marks=self._gathering.marks)
-        self._begin(stage, injected, windows)
+        self._mark.run(stage, (n**3,), reflectors=reflectors.reflectors, marks=self._gathering.marks)
+        last = (self._windows - 1) * n**3
+        stage.encoder.copy_buffer_to_buffer(injected, last * 48, self._light, 0, n**3 * 48)
+        stage.encoder.copy_buffer_to_buffer(moments, last * 16, self._gathering.moments, 0, n**3 * 16)
         so_far, target = self._sums
         for bounce in range(self._count):
-            self._gathering.update(stage, self._light)
+            self._gathering.finish(stage, self._light)
             self._gathering.gather(stage, peak, packed_shares)
             stage.encoder.clear_buffer(self._received)
-            given = {"reflectors": reflectors, "cube": self._gathering.cube, "peak": peak, "light": self._light,
-                     "received": self._received}  # fmt: skip
-            self._measure.run(stage, (n, n, n), **given)
+            given = {"cube": self._gathering.cube, "peak": peak, "light": self._light, "received": self._received}
+            self._measure.run(stage, (n, n, n), reflectors=reflectors.reflectors, **given)
             before = {} if bounce == 0 else {"sum_so_far": so_far}
-            self._reflect[bounce > 0].run(stage, (n, n, n), **given, **before, sum_out=target)
+            self._reflect[bounce > 0].run(
+                stage, (n, n, n), **surfaces, **given, **before, sum_out=target, moments=self._gathering.moments
+            )
             so_far, target = target, so_far
         self._inject.run(
-            stage, (n, n, n * self._windows), reflectors=reflectors, cube=so_far, volume_sampler=self._sampler,
-            peak=peak, windows=windows, injected=injected,
+            stage, (n, n, n * self._windows), **surfaces, cube=so_far, volume_sampler=self._sampler, peak=peak,
+            windows=windows, injected=injected, moments=moments,
         )  # fmt: skip
-
-    def _begin(self, stage: Any, injected: Any, windows: Any) -> None:
-        """The light of all windows in the cells of the last."""
-        size = self.n**3 * 48
-        source = injected
-        if self._nested is not None:
-            stage.encoder.copy_buffer_to_buffer(injected, 0, self._nested, 0, self._windows * size)
-            self._into_last.run(stage, self._nested, windows)
-            source = self._nested
-        stage.encoder.copy_buffer_to_buffer(source, (self._windows - 1) * size, self._light, 0, size)

@@ -1,6 +1,7 @@
-// Adds what surfaces reflect of all bounces to the light of each window where no finer one is. Irradiance is that of the last
-// window's cells around a cell's middle which have any.
+// Adds what surfaces reflect of all bounces to the light of each window's cells, and to its moments. Irradiance is that of the
+// last window's cells around a cell's middle which have any.
 {{ use("techniques/lpv/bouncing/reflected.wgsl") }}
+{{ use("techniques/lpv/bouncing/moment.wgsl") }}
 
 // Fine cells lie close before their surfaces, and would have part of what arrives behind them: what a face receives is read
 // as far before it as a cell of the last window lies on average.
@@ -22,19 +23,13 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     {% for i in range(windows - 1) %}
     origin = select(origin, windows[{{ i }}].origin, level == {{ i }}u);
     {% endfor %}
-    {% if windows > 1 %}
-    // Cells that a finer window reaches get their share from its own.
-    var finer = vec3i(0);
-    {% for i in range(windows - 1) %}
-    finer = select(finer, windows[{{ i }}].origin / 2, level == {{ i + 1 }}u);
-    {% endfor %}
-    let in_finer = origin + local - finer;
-    if level > 0u && all(in_finer >= vec3i(0)) && all(in_finer < vec3i({{ n // 2 }})) { return; }
-    {% endif %}
+    let number = id.x + {{ n }}u * (id.y + {{ n }}u * id.z);
+    let facing = reflectors[3u * number];
+    let facing_z = reflectors[3u * number + 1u];
+    if all(facing == vec4f(0.0)) && all(facing_z == vec4f(0.0)) { return; }
     let per_last = 1.0 / f32(1u << ({{ windows - 1 }}u - level)); // this level's cell size over the last one's
     let middle = per_last * (vec3f(origin + local) + 0.5);
     let away = 0.5 - 0.5 * per_last;
-    let number = id.x + {{ n }}u * (id.y + {{ n }}u * id.z);
     let factor = per_last * per_last / storage_scale(peak[0]);
     let received = Cube(
         mat2x3f(factor * irradiance_at(middle, away, 0u), factor * irradiance_at(middle, away, 1u)),
@@ -45,4 +40,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     injected[3u * number] += sent.red;
     injected[3u * number + 1u] += sent.green;
     injected[3u * number + 2u] += sent.blue;
+    moments[number] += moment_of(sent, number, origin + local, f32(1u << level));
 }

@@ -13,10 +13,10 @@ from .cascades import Cascades
 
 
 class EmittedLight:
-    """Nothing is made before there is such light. everything: not particles alone.  every: into every grid."""
+    """Nothing is made before there is such light. everything: not particles alone."""
 
-    def __init__(self, device: Device, cascades: Cascades, everything: bool, *, every: bool = False):
-        self.device, self.cascades, self._everything, self._every = device, cascades, everything, every
+    def __init__(self, device: Device, cascades: Cascades, everything: bool):
+        self.device, self.cascades, self._everything = device, cascades, everything
         self._lights: EmittedLights | None = None
         self._injection: EmittedInjection | None = None
 
@@ -28,7 +28,10 @@ class EmittedLight:
         if self._lights is None or self._injection is None:
             self._lights = EmittedLights(self.device, KINDS if self._everything else ("particles",))
             self._injection = EmittedInjection(
-                self.device, self.cascades.n, grids=self.cascades.count, every=self._every
+                self.device, self.cascades.n, grids=self.cascades.count,
+                moments=injection.moments is not None,
             )
         self._lights.sync(frame, self.cascades.grids)
-        self._injection.run(stage, self.cascades.grids_buffer, self._lights, injection.injected, injection.peak)
+        self._injection.run(
+            stage, self.cascades.grids_buffer, self._lights, injection.injected, injection.peak, injection.moments
+        )

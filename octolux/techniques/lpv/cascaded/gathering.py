@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from ....frame.frame import COPY, STORAGE, TEXTURE, Frame
-from ....frame.scene_surfels import SceneSurfels
 from ....gpu.device import Device
 from ....simulator.lpv.octree import level_sizes
 from ..bouncing.bounces import Bounces
@@ -17,12 +16,12 @@ from ..glossy.glossy import Glossy
 from ..injection import Injection
 from ..levels import Levels
 from ..reflectors import Reflectors
-from ..surfels import SAMPLES
 from ..volume import vpl_sources
 from .air import AirLight
 from .cascades import Cascades
 from .emitted_light import EmittedLight
 from .settings import CascadedLpvSettings
+from .surfaces import Surfaces
 
 
 class CascadedGathering:
@@ -33,18 +32,19 @@ class CascadedGathering:
         s = settings
         self.levels = Levels([s.n] * (s.cascades - 1) + level_sizes(s.n), s.cascades)
         self.injection = Injection(
-            device, s.n, cells=self.levels.cells, grids=s.cascades, small_objects=s.small_objects
+            device, s.n, cells=self.levels.cells, grids=s.cascades, small_objects=s.small_objects, moments=True
         )
         self.emitted = EmittedLight(device, cascades, s.soft_light == "cells")
         camera = s.surfels == "lamps and camera"
-        self.scene_surfels = SceneSurfels(device) if s.surfels == "scene" else None
-        self.geometry = GeometryVolume(device, self.levels, camera, planes=True) if s.occlusion else None
+        self.geometry = GeometryVolume(device, self.levels, camera) if s.occlusion else None
         self.gathering = Gathering(
-            device, self.levels, occlusion=s.occlusion, lookup_offset=s.lookup_offset, visibility=s.ambient_occlusion
+            device, self.levels, occlusion=s.occlusion, lookup_offset=s.lookup_offset, visibility=s.ambient_occlusion,
+            corners=True, placed=True,
         )
         self.reflectors = self.bounces = None
         if s.bounces > 1 or s.glossy:
-            self.reflectors = Reflectors(device, self.levels, 0.5, camera, squares=True)
+            self.reflectors = Reflectors(device, self.levels, 0.5, camera, squares=True, places=True)
+        self.surfaces = Surfaces(device, s.surfels, self.geometry, self.reflectors)
         if s.bounces > 1:
             self.bounces = Bounces(device, self.levels, s.bounces - 1, occlusion=s.occlusion)
         self.ambient = cascades.ambient_occlusion() if s.ambient_occlusion else None
@@ -70,25 +70,18 @@ class CascadedGathering:
             sources = vpl_sources(frame, grids[-1], self.settings.injection)
             self.injection.run(stage, grids_buffer, frame.vpls, sources, frame.vpl_surfaces)
             self.emitted.run(stage, frame, self.injection)
-        if self.scene_surfels:
-            self.scene_surfels.run(frame, np.array(grids[-1].origin), grids[0].cell_size / SAMPLES)
-        if self.geometry:
-            with profiler.stage("geometry volume") as stage:
-                self.geometry.run(stage, frame, grids_buffer, windows, self.scene_surfels)
-                self.geometry.pack(stage)
-        if self.reflectors:
-            with profiler.stage("reflectors") as stage:
-                self.reflectors.run(stage, frame, grids_buffer, self.scene_surfels)
-                self.reflectors.complete(stage, windows)
+        self.surfaces.update(frame, grids, grids_buffer)
+        with profiler.stage("moments") as stage:
+            self.gathering.forget(stage)
+            self.gathering.measure(stage, self.injection.injected, windows, self.injection.moments)
         if self.bounces and self.reflectors:
             with profiler.stage("bounces") as stage:
                 self.bounces.run(
-                    stage, self.injection.injected, self.injection.peak, self.reflectors.reflectors,
-                    self.geometry.packed if self.geometry else None, windows,
+                    stage, self.injection.injected, self.gathering.moments, self.injection.peak,
+                    self.reflectors, self.geometry.packed if self.geometry else None, windows,
                 )  # fmt: skip
         with profiler.stage("downsampling") as stage:
-            self.gathering.forget(stage)
-            self.gathering.update(stage, self.injection.injected, windows)
+            self.gathering.finish(stage, self.injection.injected)
             if self.glossy and self.reflectors:
                 self.glossy.update(
                     stage, self.injection.injected, self.injection.peak, self.reflectors.reflectors, windows
@@ -98,20 +91,20 @@ class CascadedGathering:
                 self.air = AirLight(self.device, self.cascades, self.levels, occlusion=self.settings.occlusion)
             with profiler.stage("light in the air") as stage:
                 shares = self.geometry.packed if self.geometry else None
-                self.air.run(stage, frame, self.injection.injected, self.injection.peak, shares)
+                self.air.run(stage, frame, self.injection.injected, self.gathering.moments, self.injection.peak, shares)
 
     def shade(self, frame: Frame) -> None:
         peak, grids, windows = self.injection.peak, self.cascades.grids_buffer, self.cascades.windows_buffer
         shares = self.geometry.packed if self.geometry else None
         with frame.profiler.stage("propagation") as stage:
-            self.gathering.mark(stage, frame, grids, windows)
+            self.gathering.mark(stage, frame, grids, windows, shares)
             self.gathering.gather(stage, peak, shares, windows)
         visibility = None
         if self.ambient:
             with frame.profiler.stage("ambient occlusion") as stage:
                 visibility = self.ambient.run(stage, frame, grids=grids, windows=windows)
         with frame.profiler.stage("lookup") as stage:
-            self.gathering.read(stage, frame, grids, peak, self.irradiance, windows, visibility)
+            self.gathering.read(stage, frame, grids, peak, self.irradiance, windows, visibility, shares)
         if self.glossy:
             with frame.profiler.stage("glossy") as stage:
                 self.glossy.run(stage, frame, grids, peak, shares, windows)

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from ....frame.frame import Frame
-from ....frame.scene_surfels import SceneSurfels
 from ....gpu.device import Device
 from ....simulator.lpv.geometry import BEHIND
 from ..constants import GRID, pack_grids, storage_scale
@@ -18,11 +17,11 @@ from ..levels import Levels
 from ..lookup import Lookup
 from ..propagation import Propagation
 from ..reflectors import Reflectors
-from ..surfels import SAMPLES
 from ..volume import vpl_sources
 from .cascades import Cascades
 from .emitted_light import EmittedLight
 from .settings import CascadedLpvSettings
+from .surfaces import Surfaces
 
 # Cells by which the geometry volume lies aside, so that its cells lie in the corners of the faces that light passes
 # (CLPV 3.2).
@@ -37,12 +36,12 @@ class CascadedStepping:
         self.device, self.cascades, self.settings = device, cascades, settings
         s, camera = settings, settings.surfels == "lamps and camera"
         self.levels = Levels([s.n] * s.cascades, s.cascades)
-        self.injection = Injection(device, s.n, grids=s.cascades, every=True, small_objects=s.small_objects)
-        self.emitted = EmittedLight(device, cascades, s.soft_light == "cells", every=True)
+        self.injection = Injection(device, s.n, grids=s.cascades, small_objects=s.small_objects)
+        self.emitted = EmittedLight(device, cascades, s.soft_light == "cells")
         blocks, reflects = s.occlusion, s.bounces > 1
-        self.scene_surfels = SceneSurfels(device) if blocks and s.surfels == "scene" else None
-        self.geometry = GeometryVolume(device, self.levels, camera, every=True, planes=False) if blocks else None
-        self.reflectors = Reflectors(device, self.levels, -BEHIND, camera, every=True) if reflects else None
+        self.geometry = GeometryVolume(device, self.levels, camera, planes=False) if blocks else None
+        self.reflectors = Reflectors(device, self.levels, -BEHIND, camera) if reflects else None
+        self.surfaces = Surfaces(device, s.surfels, self.geometry, self.reflectors)
         self.propagation = Propagation(
             device, self.levels.sizes, evaluation=s.evaluation, reprojection=s.reprojection, gain=s.gain,
             cell_format=s.cell_format, occlusion=blocks, bounces=s.reflection if reflects else "none",
@@ -73,13 +72,7 @@ class CascadedStepping:
             sources = vpl_sources(frame, grids[-1], self.settings.injection)
             self.injection.run(stage, self.cascades.grids_buffer, frame.vpls, sources, frame.vpl_surfaces)
             self.emitted.run(stage, frame, self.injection)
-        if self.scene_surfels:
-            self.scene_surfels.run(frame, np.array(grids[-1].origin), grids[0].cell_size / SAMPLES)
-        if self.geometry:
-            with profiler.stage("geometry volume") as stage:
-                self.geometry.run(stage, frame, self._aside_buffer, scene=self.scene_surfels)
-                if self.reflectors:
-                    self.reflectors.run(stage, frame, self._aside_buffer, self.scene_surfels)
+        self.surfaces.update(frame, grids, self._aside_buffer)
         with profiler.stage("propagation") as stage:
             self.propagation.run(
                 stage, self.injection.injected, self.injection.peak, self.settings.iterations,

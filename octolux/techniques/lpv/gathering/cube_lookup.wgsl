@@ -1,10 +1,30 @@
-// Irradiance of what the camera sees from the faces of the cells around it (simulator/lpv/gathering.py, `read_cube`), of those
-// that have been filled: others may lie in or behind walls, and would darken every corner.
+// Irradiance of what the camera sees from the faces of the cells around it (simulator/lpv/gathering.py, `read_cube`), {% if corners %}as far
+// as planes let through{% else %}of those
+// that have been filled: others may lie in or behind walls, and would darken every corner{% endif %}.
 {{ use("shaders/view.wgsl") }}
 {{ use("shaders/gbuffer.wgsl") }}
 {{ use("techniques/lpv/storage_scale.wgsl") }}
 {{ use("techniques/lpv/place.wgsl") }}
 
+{% if corners %}
+{{ use("techniques/lpv/gathering/corners.wgsl") }}
+
+fn read_cube(window: u32, seen: SeenPlace) -> vec3f {
+    let corners = corners_at(window, place_in(window, seen));
+    let squares = seen.normal * seen.normal;
+    let faces = vec3u({{ n }}u) * (vec3u(0u, 2u, 4u) + select(vec3u(1u), vec3u(0u), seen.normal >= vec3f(0.0)));
+    var sum = vec4f(0.0);
+    {% for corner in range(8) %}
+    {
+        let at = corner_cell(corners.first, {{ corner }}u) + vec3u(0u, {{ n }}u * window, 0u);
+        let light = {% for axis in "xyz" %}squares.{{ axis }} * textureLoad(cube, at + vec3u(0u, 0u, faces.{{ axis }}), 0){{ "" if loop.last else " + " }}{% endfor %};
+        sum += corners.{{ "low" if corner < 4 else "high" }}[{{ corner % 4 }}] * light;
+    }
+    {% endfor %}
+    let cell_size = grids[window].cell_size; // the weights' sum is 1, unless rounding has asked for other cells
+    return sum.rgb / (max(sum.a, {{ least }}) * cell_size * cell_size);
+}
+{% else %}
 fn read_cube(window: u32, seen: SeenPlace) -> vec3f {
     let place = clamp(place_in(window, seen), vec3f(0.5), vec3f({{ n - 0.5 }})); // windows and faces lie behind one another
     var irradiance = vec3f(0.0);
@@ -19,6 +39,7 @@ fn read_cube(window: u32, seen: SeenPlace) -> vec3f {
     let cell_size = grids[window].cell_size;
     return irradiance / (cell_size * cell_size);
 }
+{% endif %}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) pixel: vec3u) {

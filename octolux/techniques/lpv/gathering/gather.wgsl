@@ -118,7 +118,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) th
     let local = 4 * in_window + vec3i(vec3u(chosen & 3u, (chosen >> 2u) & 3u, chosen >> 4u));
     let cell = origin_of(base) + local;
     let point = vec3f(cell) + 0.5;
-    let per_cell = 1.0 / f32(1u << base); // nodes' places are in cells of level 0
+    let per_cell = {{ 1 / unit }} / f32(1u << base); // nodes' places are in cells of the finest level
     {% for face in range(6) %}
     var face_{{ face }} = vec3f(0.0);
     {% endfor %}

@@ -19,6 +19,18 @@ fn origin_of(level: u32) -> vec3i {
     return origin;
 }
 
+{% if windows > 1 %}
+// Where along each axis a window surely has cells, whichever way it has been snapped (simulator/lpv/cascades.py, `Window.ends`).
+fn end_of(level: u32, upwards: vec3<bool>) -> vec3f {
+    var end = vec3f(0.0);
+    {% for i in range(windows - 1) %}
+    let end_{{ i }} = vec3f(windows[{{ i }}].origin) + select(windows[{{ i }}].low - 0.5, windows[{{ i }}].high + 0.5, upwards);
+    end = select(end, end_{{ i }}, level == {{ i }}u);
+    {% endfor %}
+    return end;
+}
+{% endif %}
+
 fn is_kept(level: u32, cell: vec3i) -> bool {
     let at = cell - origin_of(level);
     return all(at >= vec3i(0)) && all(at < vec3i(i32(edge_of(level))));

@@ -1,12 +1,24 @@
-// Marks the cells that surfaces are looked up in: their middles are on the surfaces' free side.
+// Marks the cells that surfaces are looked up in: {% if corners %}all around that count{% else %}their middles are on the surfaces' free side{% endif %}.
 {{ use("shaders/view.wgsl") }}
 {{ use("shaders/gbuffer.wgsl") }}
 {{ use("techniques/lpv/place.wgsl") }}
 
-fn mark(window: u32, seen: SeenPlace) {
-    let cell = vec3u(clamp(place_in(window, seen), vec3f(0.0), vec3f({{ n - 1 }}.0)));
+{% if corners %}{{ use("techniques/lpv/gathering/corners.wgsl") }}{% endif %}
+
+fn mark_cell(window: u32, cell: vec3u) {
     let number = {{ n**3 }}u * window + cell.x + {{ n }}u * (cell.y + {{ n }}u * cell.z);
     if atomicLoad(&marks[number]) == 0u { atomicStore(&marks[number], 1u); }
+}
+
+fn mark(window: u32, seen: SeenPlace) {
+    {% if corners %}
+    let corners = corners_at(window, place_in(window, seen));
+    {% for corner in range(8) %}
+    if corners.{{ "low" if corner < 4 else "high" }}[{{ corner % 4 }}] > 0.0 { mark_cell(window, corner_cell(corners.first, {{ corner }}u)); }
+    {% endfor %}
+    {% else %}
+    mark_cell(window, vec3u(clamp(place_in(window, seen), vec3f(0.0), vec3f({{ n - 1 }}.0))));
+    {% endif %}
 }
 
 @compute @workgroup_size({{ workgroup }})

@@ -1,9 +1,32 @@
 {{ use("techniques/lpv/gathering/planes.wgsl") }}
 
+// A level: its first cell's number, bits of a coordinate, where the way begins, in its cells, and one over how wide they are.
+struct Level { first: u32, bits: u32, begin: vec3f, per_cell: f32 }
+// A way: cells that it goes along each axis while it goes one along its longest component, which it has `whole` of.
+struct Way { step: vec3f, size: vec3f, upwards: vec3<bool>, whole: f32 }
+
+// What the planes of the cell let through in which a step of a level ends after `travelled` (planes.wgsl){% if windows > 1 %}, or at the start. The
+// start's own cell is not part of it: `own` of what has been travelled{% endif %}.
+fn let_through(level: Level, way: Way, travelled: f32{% if windows > 1 %}, own: f32{% endif %}) -> f32 {
+    let ends = {{ "clamp(travelled, 0.0, way.whole)" if windows > 1 else "min(travelled, way.whole)" }};
+    let at = level.begin + (level.per_cell * ends) * way.step;
+    let cell = vec3u(clamp(vec3i(floor(at)), vec3i(0), vec3i((1 << level.bits) - 1)));
+    let word = geometry[level.first + (cell.x | (cell.y << level.bits) | (cell.z << (2u * level.bits)))];
+    let back = {{ "way.size * min(1.0, level.per_cell * (ends - own))" if windows > 1 else "way.size" }};
+    let through = through_planes(word, at, way.upwards, back, way.size * min(1.0, level.per_cell * (way.whole - ends)));
+    return through.x * through.y * through.z;
+}
+
+// How far in its layer of cells so wide a way is, from 0 to 1.
+fn into_layer(along: f32, sense: f32, travelled: f32, width: f32) -> f32 {
+    let into = fract((along + sense * travelled) / width);
+    return select(1.0 - into, into, sense > 0.0);
+}
+
 // Share of light that passes from a node to a point in a cell's middle, unit vector `towards` and `distance` away, in cells
-// of level `base` (simulator/lpv/geometry.py, `cone_transmittance`): the march goes on to the next level when it has
-// doubled its length, and so never reaches the coarsest, or where it leaves a level's window. `travelled` counts cells
-// along the direction's longest component.
+// of level `base` (simulator/lpv/cones.py, `cone_transmittance`): the march goes on to the next level when it has
+// doubled its length, and so never reaches the coarsest, or where a level's window ends. `travelled` counts cells along the
+// direction's longest component.
 fn passing(point: vec3f, towards: vec3f, distance: f32, node_size: f32, base: u32) -> f32 {
     let sizes = abs(towards);
     let is_x = sizes.x >= max(sizes.y, sizes.z);
@@ -12,57 +35,70 @@ fn passing(point: vec3f, towards: vec3f, distance: f32, node_size: f32, base: u3
     let signed = select(select(towards.z, towards.y, is_y), towards.x, is_x);
     let longest = max(abs(signed), 1e-6);
     let sense = select(-1.0, 1.0, signed > 0.0);
-    let step = sizes * ({{ short }} / longest); // cells of a level that a step goes along each axis
-    let upwards = towards > vec3f(0.0);
-    let whole = distance * longest;
-    let last = whole - max({{ left_out }}, 0.5 * node_size) - 0.25;
+    let way = Way(towards * ({{ short }} / longest), sizes * ({{ short }} / longest), towards > vec3f(0.0), distance * longest);
+    let layers = way.whole - max({{ left_out }}, 0.5 * node_size) - 0.25; // that begin before this count
     var passed = select(0.0, 1.0, distance > 0.0);
     var travelled = 1.0;
     var width = 1.0;
     {% if windows > 1 %}
+    let last = select(-1e9, layers, layers > 0.5); // nothing but the start's own cell
     var level = base;
+    var here = Level({{ n**3 }}u * base, {{ bits }}u, point - vec3f(origin_of(base)), 1.0);
     let per_step = {{ 1 / short }} * longest / select(vec3f(1e-6), towards, sizes > vec3f(1e-6)); // cells travelled to go one along each axis
+    {% else %}
+    let last = layers;
+    var here = Level({{ shares_first }}u, {{ bits }}u, point, 1.0);
     {% endif %}
-    var bits = {{ bits }}u; // of a coordinate
-    var first = {{ "%du * base"|format(n**3) if windows > 1 else "%du"|format(shares_first) }};
     loop {
-        // How far the steps of this level end in their layers: a layer counts that begins before the last.
-        let into = fract((along + sense * travelled) / width);
-        let end = last + width * select(1.0 - into, into, sense > 0.0);
+        // Steps count as long as their layers begin before the last.
+        let end = last + width * into_layer(along, sense, travelled, width);
         {% if windows > 1 %}
-        // Steps that end beyond the window belong to the next level.
-        let origin = origin_of(level);
-        let bound = width * vec3f(select(origin, origin + {{ n }}, upwards));
-        let room = select(vec3f(1e9), (bound - point) * per_step, sizes > vec3f(1e-6));
-        let leaves = select(min(room.x, min(room.y, room.z)), 1e9, level >= {{ windows - 1 }}u);
-        let stop = min(end, leaves);
+        // Before a window ends, pairs of its steps give way to steps of the next level, which end with the second of each
+        // wherever the window does. The ends follow the camera without steps. So nothing jumps; `pair` is the first of these.
+        let gives_way = level < {{ windows - 1 }}u;
+        let room = select(vec3f(1e9), (width * end_of(level, way.upwards) - point) * per_step, sizes > vec3f(1e-6));
+        let leaves = min({{ 2 * cone_length }} * width * longest + {{ fade }} * width, min(room.x, min(room.y, room.z)));
+        var pair = travelled - select(0.0, width, into_layer(along, sense, travelled, 2.0 * width) >= 0.5);
+        pair += 2.0 * width * max(0.0, floor((leaves - pair - {{ fade - 1 }} * width) / (2.0 * width)));
+        let stop = min(end, select(1e9, pair, gives_way));
+        let own = select(0.5, 0.0, level == base);
         {% else %}
-        let origin = vec3i(0);
         let stop = end;
         {% endif %}
         let limit = min(stop, {{ 2 * cone_length }} * width * longest);
-        let begin = point * (1.0 / width) - vec3f(origin);
-        let ahead = towards * ({{ short }} / (width * longest));
         loop {
             let inside = travelled < stop;
-            let at = begin + ahead * travelled;
-            let cell = vec3u(clamp(vec3i(floor(at)), vec3i(0), vec3i((1 << bits) - 1)));
-            let word = geometry[first + (cell.x | (cell.y << bits) | (cell.z << (2u * bits)))];
-            let reach = step * min(1.0, (whole - travelled) / width);
-            let through = select(vec3f(1.0), through_planes(word, at, upwards, step, reach), vec3<bool>(inside));
-            passed *= through.x * through.y * through.z;
+            passed *= select(1.0, let_through(here, way, travelled{% if windows > 1 %}, own{% endif %}), inside);
             travelled += select(0.0, width, inside);
             continuing { break if travelled >= limit || passed <= {{ opaque }}; }
         }
-        first += 1u << (3u * bits);
+        var next = Level(here.first + (1u << (3u * here.bits)), here.bits - 1u, 0.5 * here.begin, 0.5 * here.per_cell);
         {% if windows > 1 %}
+        next.bits = here.bits - select(0u, 1u, level + 1u >= {{ windows }}u);
+        next.begin = next.per_cell * point - vec3f(origin_of(level + 1u));
+        if gives_way && pair < end + 2.0 * width && passed > {{ opaque }} {
+            loop {
+                let second = pair + width;
+                let goes_on = pair < end + 2.0 * width && second < leaves;
+                let fine = select(1.0, let_through(here, way, pair, own), pair >= travelled && pair < end)
+                    * select(1.0, let_through(here, way, second, own), second < end);
+                let coarse = let_through(next, way, pair - width, 0.5); // with the pair before
+                let share = saturate((leaves - second) / ({{ fade }} * width));
+                passed *= select(1.0, mix(coarse, fine, share), goes_on);
+                pair += select(0.0, 2.0 * width, goes_on);
+                continuing { break if !goes_on || passed <= {{ opaque }}; }
+            }
+        }
+        travelled = select(travelled, pair - width, gives_way);
+        // A step of the next level counts up to a cell later, and if pairs of that give way to steps, six more.
+        let most = end + select(0.0, width * select(1.0, 7.0, level + 2u < {{ windows }}u), gives_way);
         level += 1u;
-        bits -= select(0u, 1u, level >= {{ windows }}u);
         {% else %}
-        bits -= 1u;
+        let most = end;
         {% endif %}
+        here = next;
         width *= 2.0;
-        continuing { break if travelled >= end || passed <= {{ opaque }}; }
+        continuing { break if travelled >= most || passed <= {{ opaque }}; }
     }
     return passed;
 }

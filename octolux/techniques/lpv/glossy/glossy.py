@@ -13,7 +13,7 @@ from ....gpu.device import Device
 from ....gpu.passes import ComputePass
 from ....simulator.lpv import glossy
 from ....simulator.lpv.cascades import transition
-from ....simulator.lpv.geometry import SHORT
+from ....simulator.lpv.cones import SHORT
 from ..constants import GRID, SH_CONSTANTS, grids_binding
 from ..levels import Levels
 from ..lookup import CHANNELS

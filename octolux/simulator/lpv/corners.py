@@ -1,0 +1,66 @@
+"""Corners: light of a place from the eight cells around it, as far as surfaces between let it through.
+
+A place lies between the middles of eight cells, of which some may be in a wall or behind it: light filtered between all
+of them, as textures are, would leak in from there. So a cell counts by its trilinear weight and by what the geometry
+volume's planes let through on the way from the place to its middle. Along each axis that way lies in the cell's own
+layer and in the one beside it: what counts are the planes of the cell and of its neighbour along that axis, if they lie
+between place and middle, and the larger share of both, not their product: a wall that is cut by the face between two
+cells has a plane in each.
+
+Where planes lie on all sides the cells around are all there is: then they count as if nothing were between.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from octolux.simulator.lpv.geometry import Planes
+
+LEAST = 2.0**-10
+"""Sum of weights below which all corners are as good as blocked: what little passes would be rounding's choice."""
+
+CORNERS = np.array(list(np.ndindex(2, 2, 2)))[:, ::-1]
+"""The eight cells from the lowest one, (8, 3) x, y, z: x changes first."""
+
+
+def corner_weights(place, planes: Planes | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """How much each of the eight cells around places (M, 3), in cells of a volume from its corner, counts: the lowest
+    of them (M, 3), which may lie one beyond the volume, and weights (M, 8), which add up to 1, of CORNERS. planes: of
+    the volume, as at its rim also beyond it; None for no occlusion."""
+    place = np.asarray(place, dtype=np.float64)
+    first = np.floor(place - 0.5).astype(int)
+    part = place - 0.5 - first
+    between = np.where(CORNERS == 1, part[:, None], 1.0 - part[:, None]).prod(axis=-1)
+    if planes is None:
+        return first, between
+    x, y, z = np.moveaxis(corner_cells(first, len(planes.fronts)), -1, 0)
+    seen = between * _passed(part + 0.5, planes.shares[z, y, x], planes.offsets[z, y, x])
+    whole = seen.sum(axis=-1, keepdims=True)
+    return first, np.where(whole > LEAST, seen / np.maximum(whole, LEAST), between)
+
+
+def corner_cells(first: np.ndarray, n: int) -> np.ndarray:
+    """Cells (M, 8, 3), x, y, z, of n^3: at its rim, those that would lie beyond."""
+    return np.clip(first[:, None] + CORNERS, 0, n - 1)
+
+
+def read_corners(cells, place, planes: Planes | None = None) -> np.ndarray:
+    """What `cells` [z][y][x]... hold at places (M, 3): (M, ...)."""
+    first, weights = corner_weights(place, planes)
+    x, y, z = np.moveaxis(corner_cells(first, len(cells)), -1, 0)
+    return np.einsum("mk,mk...->m...", weights, cells[z, y, x])
+
+
+def _passed(place: np.ndarray, shares: np.ndarray, offsets: np.ndarray) -> np.ndarray:
+    """What planes let through (M, 8) from places (M, 3), in cells from the lowest one's corner, to the corners. shares,
+    offsets: (M, 8, 3), of the eight cells' planes."""
+    passed = np.ones(shares.shape[:2])
+    for axis in range(3):
+        at, middle, beside = place[:, None, axis], CORNERS[:, axis] + 0.5, np.arange(8) ^ (1 << axis)
+        plane, share = CORNERS[:, axis] + offsets[..., axis], shares[..., axis]
+        low, high = np.minimum(at, middle), np.maximum(at, middle)
+        own, other = (
+            np.where((low < plane[:, c]) & (plane[:, c] < high), share[:, c], 0.0) for c in (np.arange(8), beside)
+        )
+        passed *= 1.0 - np.maximum(own, other)
+    return passed
