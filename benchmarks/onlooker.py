@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from unittest.mock import patch
@@ -37,10 +37,11 @@ class Points:
 class Onlooker:
     """Reads a technique's light at the pixels of `eye`, which stays, after the frame of a viewer who moves.
 
-    The light cache is the viewer's in all: cascades lie around the viewer, the viewer's G-buffer gives surfels, and
-    only cells that the viewer's pixels look up are filled. So the light at a point is what the viewer sees there, and
-    no picture has to be resampled; but for what is done in screen space, which is the onlooker's. Points that the
-    viewer does not see are said so.
+    The light cache is the viewer's in all: cascades lie around the viewer, and the viewer's G-buffer gives surfels. So
+    the light at a point is what the viewer sees there, and no picture has to be resampled; but for what is done in
+    screen space, which is the onlooker's. Where it matters which cells are filled, those are that the viewer's pixels
+    look up; where it does not (`Gathering.corners`), the onlooker's are besides, as its pixels lie elsewhere. Points
+    that the viewer does not see are said so.
     """
 
     def __init__(
@@ -108,8 +109,8 @@ def _watched(renderer: Renderer) -> Iterator[list[Frame]]:
 
 @contextmanager
 def _shading_alone(renderer: Renderer, before: Frame) -> Iterator[None]:
-    """Frames for which the technique shades from the cache as `before` left it: it fills no cells, and no RSM is drawn,
-    as nothing would read it."""
+    """Frames for which the technique shades from the cache as `before` left it: it fills no cells, but as `Onlooker`
+    says, and no RSM is drawn, as nothing would read it."""
     technique = renderer.technique
 
     def prepare(frame: Frame) -> None:
@@ -118,6 +119,10 @@ def _shading_alone(renderer: Renderer, before: Frame) -> Iterator[None]:
     def nothing(*_: object, **__: object) -> None:
         pass
 
+    def without_who_asks(method: Callable[..., None]) -> Callable[..., None]:
+        return lambda gathering, *given: method(gathering, *given) if gathering.corners else None
+
     alone = patch.multiple(technique, prepare=prepare, update=nothing, needs=frozenset())
-    with alone, patch.multiple(Gathering, mark=nothing, gather=nothing):
+    asking = {name: without_who_asks(getattr(Gathering, name)) for name in ("mark", "gather")}
+    with alone, patch.multiple(Gathering, **asking):
         yield

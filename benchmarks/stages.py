@@ -1,4 +1,7 @@
-"""What each stage of a frame costs, by technique: frames of all take turns, so that the machine disturbs them alike."""
+"""What each stage of a frame costs, by technique: frames of all take turns, so that the machine disturbs them alike.
+
+Nothing moves: what a technique keeps as long as that is so is in none of these frames (clpv_table1.py makes it anew).
+"""
 
 from __future__ import annotations
 
