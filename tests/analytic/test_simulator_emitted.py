@@ -178,6 +178,22 @@ def test_each_of_nested_grids_takes_what_it_holds():
     np.testing.assert_allclose(moments[1, 2, 2, 3], [0.1 - 0.6, -0.5 - 0.5, -0.5 - 0.5], atol=1e-12)
 
 
+@pytest.mark.parametrize("slope", [0.0, 0.3, -0.3])
+def test_a_narrow_sky_enters_grids_within(slope):
+    """At the side that they share with the outer one, whatever their cells' size: all that its cells there have."""
+    image = np.zeros((512, 1024, 3), np.float32)
+    towards = np.array([-1.0, 0.0, slope]) / np.hypot(1.0, slope)
+    image[np.unravel_index((texel_directions(512, 1024) @ towards).argmax(), image.shape[:2])] = LIGHT
+    records = emitted.environment_records(Environment(image=image), GRID)
+    low, h = np.array(GRID.origin), GRID.cell_size
+    assert records.beam.max() > 1.49
+    for size in (0.5, 0.25, 0.125):
+        within = Grid(tuple(low + h * np.array([0.0, 8.0 - 8.0 * size, 8.0 - 8.0 * size])), size * h, 16)
+        edge = slice(int(8 - 8 * size), int(8 + 8 * size))
+        outer = emitted.inject(records, [GRID])[0][edge, edge, :1]
+        np.testing.assert_allclose(injected_flux(records, within), total_flux(outer), rtol=1e-9)
+
+
 def test_no_sum_of_coefficients_exceeds_that_of_the_bound():
     records = emitted.Emitted(np.zeros((2, 3)), np.array([[1.0, 2.0, 0.0], [3.0, 0.0, 0.0]]),
                               np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 1.0]]), np.array([0.2, 1.5]))  # fmt: skip

@@ -26,8 +26,8 @@ SHORT = 0.9999
 FADE = 2.0
 """Cells of a level over which two of its steps give way to one of the next level, before it ends. Fewer would make
 light change faster when the end moves. With more, two such pairs would give way at once; and as many cells of the next
-level lie between the ends of both at least, in windows of 16^3 (2 1/4) and where cones get too wide (5 / sqrt(3)), so
-that the next level's steps do not give way already where they take over."""
+level lie between the ends of both at least, in windows of 16^3 (2 1/4) and where cones get too wide (1 + 5 / sqrt(3)),
+so that the next level's steps do not give way already where they take over."""
 
 WHOLE = np.array([[-np.inf] * 3, [np.inf] * 3])
 """`ends` (2, 3) of a level that a way does not leave."""
@@ -97,8 +97,8 @@ class _Ways:
         return self.last + self.into(travelled, width)
 
     def leaves(self, ends: np.ndarray, width: float) -> np.ndarray:
-        """How far ways stay on a level: between its `ends` (2, 3), in its cells, and FADE cells
-        beyond the length from which their cones are too wide."""
+        """How far ways stay on a level: between its `ends` (2, 3), in its cells, and until FADE cells beyond the length
+        from which their cones are too wide."""
         bound = width * np.where(self.towards > 0.0, ends[1], ends[0])
         with np.errstate(divide="ignore", invalid="ignore"):
             room = (bound - self.start) / self.step

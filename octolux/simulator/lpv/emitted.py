@@ -38,6 +38,9 @@ MOST_PATCHES = 1 << 16
 _TEXELS = 256
 """Width of the map that the surroundings' light is summed over: a texel is 1.4 degrees."""
 
+_INSIDE = 1e-3
+"""Cells from a grid's sides that a record of its surroundings stands at least: rounding does not take it out."""
+
 _SAME_LOBE = 1e-4
 """Channels whose beams differ by no more share a record: as exact as a packed axis (camera.py, `pack_normals`)."""
 
@@ -133,12 +136,13 @@ def environment_records(environment: Environment, grid: Grid) -> Emitted:
     """What the surroundings send into the grid, through every face of a cell that is part of the grid's border.
 
     A record's flux is E times the face's area. Injection moves it half a cell along beam * axis, to the middle of the
-    cell that the face belongs to: it stands as far behind. Channels whose light comes from other directions have
-    records of their own.
+    cell that the face belongs to: it stands as far behind, but not beyond the grid, where the smaller cells of a grid
+    within would not have it. Channels whose light comes from other directions have records of their own.
     """
     irradiance, moment = face_light(environment)
     # A lobe's first moment is 2/3 beam Phi axis (the mean cosine of a cosine lobe).
     beams = 1.5 * moment / np.where(irradiance > 0.0, irradiance, np.inf)[..., None]
+    inside = grid.origin + grid.cell_size * np.array([[_INSIDE], [grid.n - _INSIDE]])
     made = []
     for face, cells in enumerate(_border(grid)):
         for channels in _alike(irradiance[face], beams[face]):
@@ -146,7 +150,7 @@ def environment_records(environment: Environment, grid: Grid) -> Emitted:
             size = min(float(np.linalg.norm(beam)), MOST_BEAM)
             flux = np.where(np.isin(np.arange(3), channels), irradiance[face], 0.0) * grid.cell_size**2
             axis = beam / np.linalg.norm(beam)
-            behind = cells - 0.5 * grid.cell_size * size * axis
+            behind = np.clip(cells - 0.5 * grid.cell_size * size * axis, *inside)
             shape = (len(cells), 3)
             made.append(
                 Emitted(behind, np.broadcast_to(flux, shape), np.broadcast_to(axis, shape), np.full(len(cells), size))

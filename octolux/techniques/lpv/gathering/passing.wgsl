@@ -61,11 +61,12 @@ fn passing(point: vec3f, towards: vec3f, distance: f32, node_size: f32, base: u3
         var pair = travelled - select(0.0, width, into_layer(along, sense, travelled, 2.0 * width) >= 0.5);
         pair += 2.0 * width * max(0.0, floor((leaves - pair - {{ fade - 1 }} * width) / (2.0 * width)));
         let stop = min(end, select(1e9, pair, gives_way));
+        let limit = min(stop, select({{ 2 * cone_length }} * width * longest, 1e9, gives_way));
         let own = select(0.5, 0.0, level == base);
         {% else %}
         let stop = end;
-        {% endif %}
         let limit = min(stop, {{ 2 * cone_length }} * width * longest);
+        {% endif %}
         loop {
             let inside = travelled < stop;
             passed *= select(1.0, let_through(here, way, travelled{% if windows > 1 %}, own{% endif %}), inside);
