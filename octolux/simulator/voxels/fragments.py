@@ -46,12 +46,8 @@ def dominant_axis(normals: np.ndarray) -> np.ndarray:
     return (np.abs(normals) * (1.0 - BIAS * np.arange(3))).argmax(axis=1)
 
 
-def fragments(corners, grid: Grid, margin: float = 0.0) -> Fragments:
-    """Cut triangles, corners (T, 3, 3) in world space, into fragments.
-
-    margin: voxels by which a sample may lie outside the triangle, negative for those that must lie inside. Raises
-    ValueError when the corners are not finite.
-    """
+def fragments(corners, grid: Grid) -> Fragments:
+    """Cut triangles, corners (T, 3, 3) in world space, into fragments. Raises ValueError when they are not finite."""
     corners = grid.to_cells(corners)
     if corners.shape[1:] != (3, 3) or not np.isfinite(corners).all():
         raise ValueError(f"triangles are finite numbers (T, 3, 3), got {corners.shape}")
@@ -60,27 +56,26 @@ def fragments(corners, grid: Grid, margin: float = 0.0) -> Fragments:
     order = (axis[:, None] + np.array([1, 2, 0])) % 3  # two across, then along
     turned = np.take_along_axis(corners, order[:, None, :], axis=2)
     normal = np.take_along_axis(normal, order, axis=1)
-    low, high = turned[..., :2].min(axis=1) - abs(margin), turned[..., :2].max(axis=1) + abs(margin)
+    low, high = turned[..., :2].min(axis=1), turned[..., :2].max(axis=1)
     first = np.clip(np.floor(low), 0, grid.n).astype(np.int64)
     size = np.maximum(np.clip(np.floor(high), -1, grid.n - 1).astype(np.int64) - first + 1, 0)
     size[normal[:, 2] == 0.0] = 0
     counts = size.prod(axis=1)
     parts = np.flatnonzero(np.diff(np.cumsum(counts) // _AT_ONCE, prepend=0)) + 1
-    made = [_of_part(p, order, turned, normal, first, size, margin) for p in np.split(np.arange(len(axis)), parts)]
+    made = [_of_part(p, order, turned, normal, first, size) for p in np.split(np.arange(len(axis)), parts)]
     fields = ("triangle", "voxel", "share", "weights")
     return Fragments(*(np.concatenate([getattr(part, name) for part in made]) for name in fields))
 
 
 def _of_part(
-    part: np.ndarray, order: np.ndarray, turned: np.ndarray, normal: np.ndarray, first: np.ndarray, size: np.ndarray,
-    margin: float,
+    part: np.ndarray, order: np.ndarray, turned: np.ndarray, normal: np.ndarray, first: np.ndarray, size: np.ndarray
 ) -> Fragments:  # fmt: skip
     counts = size[part].prod(axis=1)
     t = np.repeat(part, counts)
     within = np.arange(len(t)) - np.repeat(np.cumsum(counts) - counts, counts)
     width = np.maximum(size[t, 0], 1)
     column = first[t] + np.stack([within % width, within // width], axis=1)
-    inside, second, third = _covered(turned[t], normal[t, 2], column, margin)
+    inside, second, third = _covered(turned[t], normal[t, 2], column)
     covered = np.maximum(inside.sum(axis=1), 1)
     weights = np.stack([(w * inside).sum(axis=1) / covered for w in (second, third)], axis=1)
     # Where the plane passes the middle of the column; along it the slope is at most one voxel for each axis across.
@@ -92,9 +87,7 @@ def _of_part(
     return Fragments(t[met], voxel[met], inside.sum(axis=1)[met] / SAMPLES**2, weights[met])
 
 
-def _covered(
-    turned: np.ndarray, area: np.ndarray, column: np.ndarray, margin: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _covered(turned: np.ndarray, area: np.ndarray, column: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Which samples of each column lie in the triangle, bool (M, SAMPLES^2), and weights there of its second and third
     corner."""
     lattice = (np.arange(SAMPLES) + 0.5) / SAMPLES
@@ -103,8 +96,4 @@ def _covered(
     e1, e2 = (turned[:, None, i, :2] - turned[:, None, 0, :2] for i in (1, 2))
     second = (p[..., 0] * e2[..., 1] - p[..., 1] * e2[..., 0]) / area[:, None]
     third = (e1[..., 0] * p[..., 1] - e1[..., 1] * p[..., 0]) / area[:, None]
-    # A weight falls by 1 over the triangle's height: the margin in voxels is so much of the weights.
-    lengths = [np.linalg.norm(e, axis=2) for e in (e2 - e1, e2, e1)]
-    slack = [margin * length / np.abs(area)[:, None] for length in lengths]
-    inside = (1.0 - second - third >= -slack[0]) & (second >= -slack[1]) & (third >= -slack[2])
-    return inside, second, third
+    return (second >= 0.0) & (third >= 0.0) & (second + third <= 1.0), second, third

@@ -11,60 +11,63 @@ from collections.abc import Sequence
 import numpy as np
 
 
-def _pairs(values: np.ndarray, axis: int) -> tuple[np.ndarray, np.ndarray]:
-    """The lower and the upper of each two voxels along x, y or z (0, 1, 2)."""
-    take: list[slice] = [slice(None)] * 3
-    lower, upper = list(take), list(take)
-    lower[2 - axis], upper[2 - axis] = slice(0, None, 2), slice(1, None, 2)
-    return values[tuple(lower)], values[tuple(upper)]
+def _pairs(values: np.ndarray, way: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of each two voxels along an axis the one that lies farther along DIRECTIONS[way], in front, and that behind."""
+    lower: list[slice] = [slice(None)] * 3
+    upper = list(lower)
+    lower[2 - way // 2], upper[2 - way // 2] = slice(0, None, 2), slice(1, None, 2)
+    front, behind = (upper, lower) if way % 2 == 0 else (lower, upper)
+    return values[tuple(front)], values[tuple(behind)]
 
 
-def _across(values: np.ndarray, axis: int) -> np.ndarray:
-    """Means of each 2 x 2 voxels across x, y or z."""
-    for other in range(3):
-        if other != axis:
-            lower, upper = _pairs(values, other)
-            values = 0.5 * (lower + upper)
+def _across(values: np.ndarray, way: int) -> np.ndarray:
+    """Means of each 2 x 2 voxels across the axis of a way."""
+    for axis in range(3):
+        if axis != way // 2:
+            values = 0.5 * np.add(*_pairs(values, 2 * axis))
     return values
 
 
-def coarser_opacity(opacity) -> np.ndarray:
-    """Of each axis the maximum along it, then the mean over the 2 x 2 across (VCT 5.4.3): [z][y][x][3] of the next
-    level."""
-    return np.stack([_across(np.maximum(*_pairs(opacity[..., a], a)), a) for a in range(3)], axis=-1)
+def coarser_facing(facing) -> np.ndarray:
+    """[z][y][x][6] of the next level from that of this one: of each way the maximum along its axis, then the mean over
+    the 2 x 2 across (VCT 5.4.3).
+
+    The thesis has one opacity for both ways along an axis. Here what looks along +y blocks what goes down: a floor does
+    not hide the sky from what stands on it, wherever its coarse voxels reach.
+    """
+    return np.stack([_across(np.maximum(*_pairs(facing[..., w], w)), w) for w in range(6)], axis=-1)
 
 
-def coarser_intensity(intensity, opacity) -> np.ndarray:
-    """Six axial intensities of the next level, [z][y][x][6][k], from those of this one and its opacity [z][y][x][3].
+def coarser_intensity(intensity, facing) -> np.ndarray:
+    """Six axial intensities of the next level, [z][y][x][6][k], from those of this one and its `facing`.
 
-    An intensity is radiance times opacity along its axis. The thesis weighs radiances with opacities (5.4.3); here the
-    voxel behind counts for what the one in front of it lets through, o' = (1 - o_front) o_back. The mean radiance times
-    the coarser opacity is the coarser intensity: so what shines evenly shines as evenly from every level.
+    An intensity is radiance times what faces its way. The thesis weighs radiances with opacities (5.4.3); here what is
+    behind counts for what the voxel in front of it lets through. The mean radiance times the coarser facing is the
+    coarser intensity: so what shines evenly shines as evenly from every level.
     """
     result = []
     for way in range(6):
-        axis, up = way // 2, way % 2 == 0
-        back, front = _pairs(intensity[..., way, :], axis)[:: 1 if up else -1]
-        o_back, o_front = _pairs(opacity[..., axis, None], axis)[:: 1 if up else -1]
-        seen = o_front + (1.0 - o_front) * o_back
-        radiance = (front + (1.0 - o_front) * back) / np.where(seen > 0.0, seen, 1.0)
-        result.append(_across(radiance * np.maximum(o_front, o_back), axis))
+        front, behind = _pairs(intensity[..., way, :], way)
+        in_front, hidden = _pairs(facing[..., way, None], way)
+        seen = in_front + (1.0 - in_front) * hidden
+        radiance = (front + (1.0 - in_front) * behind) / np.where(seen > 0.0, seen, 1.0)
+        result.append(_across(radiance * np.maximum(in_front, hidden), way))
     return np.stack(result, axis=-2)
 
 
-def opacity_levels(opacity) -> list[np.ndarray]:
-    """float64 [z][y][x][3] on every level, from level 0, a cube of 2^depth along each side, to 2^3 voxels."""
-    levels = [np.asarray(opacity, dtype=np.float64)]
+def facing_levels(facing) -> list[np.ndarray]:
+    """float64 [z][y][x][6] on every level, from level 0, a cube of 2^depth along each side, to 2^3 voxels."""
+    levels = [np.asarray(facing, dtype=np.float64)]
     while len(levels[-1]) > 2:
-        levels.append(coarser_opacity(levels[-1]))
+        levels.append(coarser_facing(levels[-1]))
     return levels
 
 
-def intensity_levels(intensity, opacities: Sequence[np.ndarray]) -> list[np.ndarray]:
-    """float64 [z][y][x][6][k] on every level. opacities: of the levels."""
+def intensity_levels(intensity, facings: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """float64 [z][y][x][6][k] on every level. facings: of the levels."""
     levels = [np.asarray(intensity, dtype=np.float64)]
-    for opacity in opacities[:-1]:
-        levels.append(coarser_intensity(levels[-1], opacity))
+    for facing in facings[:-1]:
+        levels.append(coarser_intensity(levels[-1], facing))
     return levels
 
 

@@ -34,21 +34,14 @@ class Voxels:
     """touched: bool [z][y][x], whether it has a fragment, even one that is cut out.
 
     facing: float64 [z][y][x][6], of the voxel's section across each axis, the share that surfaces cover which look
-    along each of DIRECTIONS, at most 1.  albedo, emission: float64 [z][y][x][3], means over the surfaces' areas;
-    emission is radiance, nits.
+    along each of DIRECTIONS, at most 1: opacity for what comes from there (VCT 5.4.3).  albedo, emission: float64
+    [z][y][x][3], means over the surfaces' areas; emission is radiance, nits.
     """
 
     touched: np.ndarray
     facing: np.ndarray
     albedo: np.ndarray
     emission: np.ndarray
-
-    @property
-    def opacity(self) -> np.ndarray:
-        """Share of the light along x, y and z that is blocked: float64 [z][y][x][3] (VCT 5.4.3).
-
-        Surfaces that look up and those that look down are mostly two sides of the same things, which block once."""
-        return np.maximum(self.facing[..., 0::2], self.facing[..., 1::2])
 
 
 def voxelise(found: Fragments, normals, n: int, albedo, emission, coverage, double_sided) -> Voxels:

@@ -18,6 +18,11 @@ fn voxel_number(voxel: vec3i) -> u32 {
     return (leaf >> 8u) + countOneBits(leaf & ((1u << corner) - 1u));
 }
 
+fn add(place: u32, value: f32) {
+    let whole = u32(round(value));
+    if whole > 0u { atomicAdd(&sums[place], whole); }
+}
+
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let tile = id.x + {{ row }}u * id.y;
@@ -72,15 +77,18 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
                 let area = share / steepest;
                 let first = {{ words }}u * slot;
                 {% for axis in "xyz" %}
-                atomicAdd(&sums[first + {{ 2 * loop.index0 }}u], u32(round(share * up.{{ axis }})));
-                atomicAdd(&sums[first + {{ 2 * loop.index0 + 1 }}u], u32(round(share * down.{{ axis }})));
-                atomicAdd(&sums[first + {{ 6 + loop.index0 }}u], u32(round(area * saturate(albedo.{{ axis }}))));
+                add(first + {{ 2 * loop.index0 }}u, share * up.{{ axis }});
+                add(first + {{ 2 * loop.index0 + 1 }}u, share * down.{{ axis }});
+                add(first + {{ 6 + loop.index0 }}u, area * saturate(albedo.{{ axis }}));
                 {% endfor %}
-                atomicAdd(&sums[first + 9u], u32(round(area)));
+                add(first + 9u, area);
                 {% if emissive %}
-                let emission = cube.emission_scale * area * material_emissive(material, uv, footprint);
+                var emission = cube.emission_scale * area * material_emissive(material, uv, footprint);
+                {% if unlit %}
+                if material.unlit == 1u { emission = vec3f(0.0); }
+                {% endif %}
                 {% for axis in "xyz" %}
-                atomicAdd(&sums[first + {{ 10 + loop.index0 }}u], u32(round(emission.{{ axis }})));
+                add(first + {{ 10 + loop.index0 }}u, emission.{{ axis }});
                 {% endfor %}
                 {% endif %}
             }

@@ -1,7 +1,7 @@
 // The voxels that a node owns from those of its children (simulator/voxels/pyramid.py, VCT 5.4.3): each is made of the
 // eight that one child owns.
 {{ use("techniques/voxel_cones/octree.wgsl") }}
-{{ use("techniques/voxel_cones/opacity.wgsl") }}
+{{ use("techniques/voxel_cones/facing.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -10,10 +10,17 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let child = node_of(8u * codes[index >> 3u] + (index & 7u));
     if child == NO_NODE { return; }
     {% for c in range(8) %}
-    let o{{ c }} = unpack_opacity(opacity[8u * child + {{ c }}u]);
+    let packed_{{ c }} = facing[8u * child + {{ c }}u];
+    let up_{{ c }} = unpack_shares(packed_{{ c }}.x);
+    let down_{{ c }} = unpack_shares(packed_{{ c }}.y);
     {% endfor %}
+    var up = vec3f(0.0);
+    var down = vec3f(0.0);
     {% for axis, step in (("x", 1), ("y", 2), ("z", 4)) %}
-    let {{ axis }} = 0.25 * ({% for c in range(8) if (c // step) % 2 == 0 %}{{ " + " if not loop.first }}max(o{{ c }}.{{ axis }}, o{{ c + step }}.{{ axis }}){% endfor %});
+    {% for c in range(8) if c // step % 2 == 0 %}
+    up.{{ axis }} += 0.25 * max(up_{{ c }}.{{ axis }}, up_{{ c + step }}.{{ axis }});
+    down.{{ axis }} += 0.25 * max(down_{{ c }}.{{ axis }}, down_{{ c + step }}.{{ axis }});
     {% endfor %}
-    opacity[index] = pack_opacity(vec3f(x, y, z));
+    {% endfor %}
+    facing[index] = vec2u(pack_shares(up), pack_shares(down));
 }

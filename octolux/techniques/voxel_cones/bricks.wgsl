@@ -1,11 +1,12 @@
 // Nodes' bricks from the voxels that they and their neighbours at the upper sides own (VCT 5.4.2: edge copy). Each texel has
 // one owner, by whatever way it is reached, so that bricks agree where they touch.
 {{ use("techniques/voxel_cones/octree.wgsl") }}
-{{ use("techniques/voxel_cones/opacity.wgsl") }}
+{{ use("techniques/voxel_cones/facing.wgsl") }}
 
-fn of_node(node: u32, corner: u32) -> vec3f {
-    let packed = opacity[8u * min(node, parameters.third) + corner];
-    return select(unpack_opacity(packed), vec3f(0.0), node == NO_NODE);
+fn write_texel(texel: vec3u, node: u32, corner: u32) {
+    let packed = select(facing[8u * min(node, parameters.third) + corner], vec2u(0u), node == NO_NODE);
+    textureStore(bricks_up, texel, vec4f(unpack_shares(packed.x), 0.0));
+    textureStore(bricks_down, texel, vec4f(unpack_shares(packed.y), 0.0));
 }
 
 @compute @workgroup_size({{ workgroup }})
@@ -22,6 +23,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let node_{{ o }} = {{ "node" if o == 0 else "node_at(level, cell + vec3i(%d, %d, %d))" % (o % 2, o // 2 % 2, o // 4) }};
     {% endfor %}
     {% for z in range(3) %}{% for y in range(3) %}{% for x in range(3) %}
-    textureStore(bricks, corner + vec3u({{ x }}u, {{ y }}u, {{ z }}u), vec4f(of_node(node_{{ x // 2 + 2 * (y // 2) + 4 * (z // 2) }}, {{ x % 2 + 2 * (y % 2) + 4 * (z % 2) }}u), 0.0));
+    write_texel(corner + vec3u({{ x }}u, {{ y }}u, {{ z }}u), node_{{ x // 2 + 2 * (y // 2) + 4 * (z // 2) }}, {{ x % 2 + 2 * (y % 2) + 4 * (z % 2) }}u);
     {% endfor %}{% endfor %}{% endfor %}
 }

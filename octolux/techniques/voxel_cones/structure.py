@@ -1,4 +1,4 @@
-"""The sparse voxel octree of a scene and its bricks of opacity, built on the device (VCT 5.2 to 5.4)."""
+"""The sparse voxel octree of a scene and its bricks of what faces each way, built on the device (VCT 5.2 to 5.4)."""
 
 from __future__ import annotations
 
@@ -29,6 +29,7 @@ BRICK = 3
 LOG2_BRICKS = 6  # bricks along x and y of their textures: 192 texels
 _MOST_BRICKS = (DEFAULT_LIMITS["max-texture-dimension-3d"] // BRICK) << 2 * LOG2_BRICKS
 _OWN = 8  # voxels of a node
+_MOST_NODES = DEFAULT_LIMITS["max-storage-buffer-binding-size"] // (8 * _OWN)
 _SUMS_BYTES = 64 << 20  # of sums at a time: more voxels take more rounds
 
 
@@ -40,9 +41,10 @@ def brick_texture(device: Device, label: str, format: str, count: int) -> Any:
 
 
 class VoxelOctree:
-    """octree: where nodes are.  voxels: texture of VOXEL.  opacity: u32 of the eight voxels that each node owns
-    (opacity.wgsl).  bricks: 3D texture of opacity along x, y, z, filtered by hardware.  grid: of the voxels.
-    peak: the scene's brightest emission, nits, of which voxels' emissions are shares.
+    """octree: where nodes are.  voxels: texture of VOXEL.  facing: vec2u of the eight voxels that each node owns
+    (facing.wgsl).  bricks_up, bricks_down: 3D textures of the shares of voxels' sections that face +x, +y, +z, and -x,
+    -y, -z, filtered by hardware.  grid: of the voxels.  peak: the scene's brightest emission, nits, of which voxels'
+    emissions are shares.
 
     values: what octree.wgsl wants to know.
     """
@@ -56,9 +58,11 @@ class VoxelOctree:
         self.values = self.octree.values
         self._voxeliser = Voxeliser(device, self.octree, texture_level)
         self.voxels = Pool("voxels", lambda count: record_texture(device, LABEL, VOXEL, count), limit=1 << 24)
-        self.opacity = Pool("nodes", lambda count: device.buffer(LABEL, size=4 * _OWN * count), limit=_MOST_BRICKS)
-        self.bricks = Pool("bricks", lambda count: brick_texture(device, "voxel bricks", "rgba8unorm", count),
-                           limit=_MOST_BRICKS)  # fmt: skip
+        self.facing = Pool("nodes", lambda count: device.buffer(LABEL, size=8 * _OWN * count), limit=_MOST_NODES)
+        self.bricks_up, self.bricks_down = (
+            Pool("bricks", lambda count: brick_texture(device, "voxel bricks", "rgba8unorm", count), limit=_MOST_BRICKS)
+            for _ in range(2)
+        )
         given = uniform("parameters", PARAMETERS)
         fixed: dict[str, Any] = {"workgroup": WORKGROUP, "row": ROW, **self.values}
         folder = "techniques/voxel_cones"
@@ -66,7 +70,7 @@ class VoxelOctree:
             emissive: ComputePass(
                 device, "voxels", f"{folder}/surfaces.wgsl",
                 [given, uniform("cube", CUBE), words("leaves"), storage("sums", "u32"), records_out("voxels", VOXEL),
-                 storage_rw("opacity", "u32", "write")], structs=[PARAMETERS, CUBE, VOXEL], emissive=emissive,
+                 storage_rw("facing", "vec2u", "write")], structs=[PARAMETERS, CUBE, VOXEL], emissive=emissive,
                 words=self._voxeliser.words_of(emissive), layer=float(LAYER), emission_layer=float(EMISSION_LAYER),
                 **fixed,
             )
@@ -74,13 +78,14 @@ class VoxelOctree:
         }  # fmt: skip
         nodes = [given, storage("codes", "u32"), directory_binding()]
         self._average = ComputePass(
-            device, "averaging", f"{folder}/average.wgsl", [*nodes, storage_rw("opacity", "u32")], structs=[PARAMETERS],
-            **fixed,
+            device, "averaging", f"{folder}/average.wgsl", [*nodes, storage_rw("facing", "vec2u")],
+            structs=[PARAMETERS], **fixed,
         )  # fmt: skip
         self._copy = ComputePass(
             device, "edge copy", f"{folder}/bricks.wgsl",
-            [*nodes, storage("opacity", "u32"), storage_texture("bricks", "rgba8unorm", "3d")], structs=[PARAMETERS],
-            **fixed,
+            [*nodes, storage("facing", "vec2u"),
+             *(storage_texture(f"bricks_{side}", "rgba8unorm", "3d") for side in ("up", "down"))],
+            structs=[PARAMETERS], **fixed,
         )  # fmt: skip
 
     def build(self, profiler: Profiler, scene: GpuScene, grid: Grid, peak: float = 0.0) -> None:
@@ -99,26 +104,27 @@ class VoxelOctree:
         self.octree.build(profiler, occupied)
         counts = self.octree.counts
         self.voxels.need(counts.voxels)
-        self.opacity.need(counts.nodes)
-        self.bricks.need(counts.nodes)
+        for pool in (self.facing, self.bricks_up, self.bricks_down):
+            pool.need(counts.nodes)
         self._fill(profiler, scene, triangles)
 
     def _fill(self, profiler: Profiler, scene: GpuScene, triangles: Triangles) -> None:
         """Brick filling (VCT 5.4): voxels from fragments, levels from each other, then all bricks."""
         with profiler.stage("voxels") as stage:
-            stage.encoder.clear_buffer(self.opacity.resource)
+            stage.encoder.clear_buffer(self.facing.resource)
             self._sum(stage, scene, triangles)
         with profiler.stage("averaging") as stage:
             for first, count in self.octree.counts.levels[1:]:
                 self._average.run(
                     stage, threads(_OWN * count), parameters=parameters(self.device, count, first),
-                    codes=self.octree.codes.resource, directory=self.octree.directory, opacity=self.opacity.resource,
+                    codes=self.octree.codes.resource, directory=self.octree.directory, facing=self.facing.resource,
                 )  # fmt: skip
         with profiler.stage("edge copy") as stage:
             self._copy.run(
-                stage, threads(self.opacity.used), codes=self.octree.codes.resource, directory=self.octree.directory,
-                parameters=parameters(self.device, self.opacity.used, third=max(self.opacity.used, 1) - 1),
-                opacity=self.opacity.resource, bricks=self.bricks.resource,
+                stage, threads(self.facing.used), codes=self.octree.codes.resource, directory=self.octree.directory,
+                parameters=parameters(self.device, self.facing.used, third=max(self.facing.used, 1) - 1),
+                facing=self.facing.resource, bricks_up=self.bricks_up.resource,
+                bricks_down=self.bricks_down.resource,
             )  # fmt: skip
 
     def _sum(self, stage: Any, scene: GpuScene, triangles: Triangles) -> None:
@@ -134,13 +140,14 @@ class VoxelOctree:
             self._surfaces[scene.has_emission].run(
                 stage, threads(_OWN * leaves), parameters=parameters(self.device, leaves, first_leaf), cube=cube,
                 leaves=self.octree.leaves.resource, sums=sums, voxels=self.voxels.resource,
-                opacity=self.opacity.resource,
+                facing=self.facing.resource,
             )  # fmt: skip
 
     def pools(self) -> dict[str, tuple[int, int]]:
         """How many elements each pool holds, and for how many it has room."""
-        return {pool.name: (pool.used, pool.capacity) for pool in (self.octree.leaves, self.voxels, self.bricks)}
+        all_pools = self.octree.leaves, self.voxels, self.facing, self.bricks_up
+        return {pool.name: (pool.used, pool.capacity) for pool in all_pools}
 
     def codes(self) -> np.ndarray:
         """The code of each node, uint32 (nodes,); see codes.wgsl."""
-        return np.frombuffer(self.device.queue.read_buffer(self.octree.codes.resource), np.uint32)[: self.opacity.used]
+        return np.frombuffer(self.device.queue.read_buffer(self.octree.codes.resource), np.uint32)[: self.facing.used]

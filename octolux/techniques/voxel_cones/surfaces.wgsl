@@ -1,6 +1,6 @@
-// From sums to voxels, and to the opacity of level 0: a thread for each of the eight that a node owns.
+// From sums to voxels, and to what faces each way on level 0: a thread for each of the eight that a node owns.
 {{ use("techniques/voxel_cones/voxel.wgsl") }}
-{{ use("techniques/voxel_cones/opacity.wgsl") }}
+{{ use("techniques/voxel_cones/facing.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -21,5 +21,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     emission = vec3f(f32(sums[first + 10u]), f32(sums[first + 11u]), f32(sums[first + 12u])) * over * {{ layer / emission_layer }};
     {% endif %}
     store_voxels(slot + cube.first, pack_surface(VoxelSurface(saturate(albedo), up, down, emission)));
-    opacity[8u * parameters.first + index] = pack_opacity(max(up, down));
+    facing[8u * parameters.first + index] = vec2u(pack_shares(up), pack_shares(down));
 }

@@ -104,7 +104,7 @@ class Voxeliser:
             self._starts.run(stage, threads(count + 1), parameters=given, values=sums.values, totals=sums.totals,
                              starts=textures[1])  # fmt: skip
         profiler.submit()
-        return Triangles(count, *textures, self._sums.total(sums, count)[0])
+        return Triangles(count, textures[0], textures[1], self._sums.total(sums, count)[0])
 
     def mark(self, stage: Any, scene: GpuScene, triangles: Triangles, cube: Any, occupied: Any) -> None:
         """Set the bits of voxels that have fragments (`Octree.occupied`)."""

@@ -1,0 +1,155 @@
+"""What tests of voxels share: scenes whose voxels do not hang on rounding, their octrees, and reading these."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+from gpu_tools import TESTS, read_buffer
+
+from octolux.gpu.bindings import sampler, storage, storage_rw, texture
+from octolux.gpu.passes import ComputePass
+from octolux.gpu.profiler import Profiler
+from octolux.gpu.records import read_records, read_words
+from octolux.gpu_scene.gpu_scene import GpuScene
+from octolux.scene.meshes import Mesh
+from octolux.simulator.grid import Grid
+from octolux.simulator.voxels.fragments import fragments
+from octolux.techniques.voxel_cones.octree import directory_binding
+from octolux.techniques.voxel_cones.structure import VOXEL, VoxelOctree
+
+ROUNDING = 1e-4
+"""Voxels by which float32 may move a surface in a grid of up to 64: coordinates have 24 bits, and a corner takes some
+ten operations, 64 * 2^-24 * 10 = 4e-5."""
+
+
+def clear_triangles(corners: np.ndarray, grid: Grid) -> np.ndarray:
+    """Those of the triangles (T, 3, 3) whose fragments stay the same when they are moved by ROUNDING either way along
+    each axis: no sample lies so near to an edge, and none of their depths so near to a face between voxels."""
+    keep = np.ones(len(corners), bool)
+    plain = _as_sets(corners, grid)
+    for way in product((-1, 1), repeat=3):
+        moved = _as_sets(corners + ROUNDING * grid.cell_size * np.array(way), grid)
+        keep &= [a == b for a, b in zip(plain, moved, strict=True)]
+    return corners[keep]
+
+
+def _as_sets(corners: np.ndarray, grid: Grid) -> list[set[tuple[float, ...]]]:
+    found = fragments(corners, grid)
+    sets: list[set[tuple[float, ...]]] = [set() for _ in corners]
+    for triangle, voxel, share in zip(found.triangle, found.voxel, found.share, strict=True):
+        sets[triangle].add((*voxel.tolist(), float(share)))
+    return sets
+
+
+def random_triangles(grid: Grid, count: int, size: float, seed: int) -> np.ndarray:
+    """Triangles inside the grid, with corners up to `size` voxels away from each other along each axis; float32."""
+    rng = np.random.default_rng(seed)
+    corners = rng.uniform(1.0, grid.n - 1.0, (count, 1, 3)) + rng.uniform(-size / 2, size / 2, (count, 3, 3))
+    corners = np.clip(corners, 0.5, grid.n - 0.5) * grid.cell_size + np.array(grid.origin)
+    return clear_triangles(corners.astype(np.float32).astype(np.float64), grid)
+
+
+def mesh_of(corners: np.ndarray, material: int = 0, uvs: np.ndarray | None = None) -> Mesh:
+    """A mesh of single triangles (T, 3, 3) with flat normals; uvs: (T, 3, 2)."""
+    flat, count = unit_normals(corners), 3 * len(corners)
+    return Mesh(
+        positions=corners.reshape(-1, 3).astype(np.float32), normals=np.repeat(flat, 3, axis=0).astype(np.float32),
+        uvs=(np.zeros((count, 2)) if uvs is None else uvs.reshape(-1, 2)).astype(np.float32),
+        tangents=np.tile(np.float32([1, 0, 0, 1]), (count, 1)), material=material,
+        indices=np.arange(count, dtype=np.uint32).reshape(-1, 3),
+    )  # fmt: skip
+
+
+def unit_normals(corners: np.ndarray) -> np.ndarray:
+    """Float64 (T, 3)."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
+
+
+def built(device: Any, scene: Any, grid: Grid, octree: VoxelOctree | None = None, **given: Any) -> VoxelOctree:
+    """The octree of a scene, or `octree` built anew for it."""
+    octree = octree or VoxelOctree(device, grid.n.bit_length() - 1)
+    gpu_scene = GpuScene(device)
+    gpu_scene.sync(scene)
+    profiler = Profiler(device, "off")
+    with profiler.frame():
+        octree.build(profiler, gpu_scene, grid, **given)
+    return octree
+
+
+@dataclass(frozen=True)
+class Read:
+    """What the octree's voxels of level 0 hold, dense: as simulator/voxels/surfaces.Voxels, but emission as a share."""
+
+    touched: np.ndarray
+    facing: np.ndarray
+    albedo: np.ndarray
+    emission: np.ndarray
+
+
+def read(octree: VoxelOctree) -> Read:
+    """The records of all voxels, in a dense grid."""
+    n, counts = octree.grid.n, octree.octree.counts
+    first, count = counts.levels[0]
+    cells = cells_of(octree.codes()[first : first + count])
+    words = read_words(octree.device, octree.octree.leaves.resource, count)
+    voxels = read_records(octree.device, octree.voxels.resource, VOXEL, counts.voxels)
+    made = Read(np.zeros((n, n, n), bool), *(np.zeros((n, n, n, k)) for k in (6, 3, 3)))
+    number = (words >> 8).astype(np.int64)
+    for corner in range(8):
+        here = (words >> corner & 1) == 1
+        x, y, z = (2 * cells[here] + [corner & 1, corner >> 1 & 1, corner >> 2]).T
+        record = voxels[number[here]]
+        number[here] += 1
+        made.touched[z, y, x] = True
+        made.albedo[z, y, x] = _bytes(record["albedo"]) ** 2
+        made.facing[z, y, x, 0::2], made.facing[z, y, x, 1::2] = (
+            _bytes(record["facing_up"]),
+            _bytes(record["facing_down"]),
+        )
+        packed = record["emission"]
+        codes = packed[:, None] >> np.array([0, 9, 18], np.uint32) & 511
+        made.emission[z, y, x] = codes * 2.0 ** ((packed >> 27).astype(np.float64)[:, None] - 40.0)
+    return made
+
+
+def _bytes(packed: np.ndarray) -> np.ndarray:
+    return (packed[:, None] >> np.array([0, 8, 16], np.uint32) & 255) / 255.0
+
+
+def cells_of(codes: np.ndarray) -> np.ndarray:
+    """Cells (x, y, z) that codes (techniques/voxel_cones/codes.wgsl) stand for, int64 (m, 3)."""
+    codes = codes.astype(np.int64)
+    cells = np.zeros((len(codes), 3), np.int64)
+    top = np.array([(int(code).bit_length() - 1) // 3 for code in codes], np.int64)
+    for bit in range(10):
+        for axis in range(3):
+            cells[:, axis] |= np.where(bit < top, (codes >> (3 * bit + axis) & 1) << bit, 0)
+    return cells
+
+
+def sampled(octree: VoxelOctree, points: np.ndarray, level: int) -> tuple[np.ndarray, np.ndarray]:
+    """Filtered shares of sections (m, 6), in the order of surfaces.DIRECTIONS, at points (m, 3) in voxels of level 0,
+    on a level; and whether there is a node, bool (m,)."""
+    device = octree.device
+    given = np.column_stack([points, np.full(len(points), level)]).astype(np.float32)
+    result = device.buffer("result", size=32 * len(points))
+    kernel = ComputePass(
+        device, "bricks", str(TESTS / "kernels" / "voxel_bricks.wgsl"),
+        [directory_binding(), texture("bricks_up", "float", "3d"), texture("bricks_down", "float", "3d"),
+         sampler("linear"), storage("given", "vec4f"), storage_rw("result", "vec4f", "write")],
+        workgroup=(64, 1, 1), count=len(points), sampled=True, **octree.values,
+    )  # fmt: skip
+    profiler = Profiler(device, "off")
+    with profiler.frame(), profiler.stage("test") as stage:
+        kernel.run(
+            stage, (len(points),), given=device.buffer("given", given), result=result,
+            directory=octree.octree.directory, bricks_up=octree.bricks_up.resource,
+            bricks_down=octree.bricks_down.resource,
+            linear=device.wgpu.create_sampler(mag_filter="linear", min_filter="linear"),
+        )  # fmt: skip
+    values = read_buffer(device, result).reshape(-1, 8)[: len(points)]
+    return values[:, :6].astype(np.float64), values[:, 6] == 1.0
