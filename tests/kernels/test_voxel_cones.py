@@ -1,0 +1,136 @@
+"""Cones on the device (techniques/voxel_cones/gathering.py) against the simulator's."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import pi
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+import wgpu
+from gpu_tools import TESTS, one_stage
+from test_glossy import HALF_FLOAT, lobe_albedo, seen
+
+from octolux.gpu.bindings import sampler, texture
+from octolux.scene.errors import OctoluxError
+from octolux.simulator.grid import Grid
+from octolux.simulator.voxels.cones import PHASES, gather, specular_light
+from octolux.simulator.voxels.facing import FacingVoxels
+from octolux.techniques.voxel_cones.gathering import DiffuseCones, SpecularCones, Voxels
+
+DEPTH, N = 4, 16
+GRID = Grid((-1.05, -1.1, -1.0), 0.135, N)
+BRIGHTEST = 3.0
+# A texture unit may round each of the three weights of a trilinear sample to 1/256: of what differs between voxels, up
+# to 1 of opacity and BRIGHTEST of radiance, it is off by 3/512.
+WEIGHT = 3.0 / 512 + HALF_FLOAT
+
+
+@cache
+def scene() -> FacingVoxels:
+    rng = np.random.default_rng(2)
+    facing = rng.random((N, N, N, 6)) * (rng.random((N, N, N, 1)) < 0.08)
+    facing = facing.astype(np.float16).astype(np.float64)
+    return FacingVoxels(facing, facing[..., None] * rng.uniform(0.2, BRIGHTEST, (N, N, N, 6, 3)))
+
+
+@cache
+def volume(device) -> dict[str, Any]:
+    usage = wgpu.TextureUsage.TEXTURE_BINDING | wgpu.TextureUsage.COPY_DST
+    made = device.texture("made by a test", (6 * N, N, N), "rgba16float", usage=usage, mip_levels=DEPTH, dimension="3d")
+    for number, (facing, intensity) in enumerate(scene().levels):
+        n = len(facing)
+        texels = np.moveaxis(np.concatenate([intensity, facing[..., None]], axis=-1), 3, 2)
+        data = np.ascontiguousarray(texels.reshape(n, n, 6 * n, 4).astype(np.float16))
+        layout = {"bytes_per_row": 48 * n, "rows_per_image": n}
+        device.queue.write_texture({"texture": made, "mip_level": number}, data, layout, (6 * n, n, n))
+    linear = device.wgpu.create_sampler(
+        mag_filter="linear", min_filter="linear", **{f"address_mode_{a}": "clamp-to-edge" for a in "uvw"}
+    )
+    return {"facing_volume": made, "facing_sampler": linear}
+
+
+def voxels(skips: bool = False) -> Voxels:
+    bindings = [texture("facing_volume", "float", "3d"), sampler("facing_sampler")]
+    return Voxels(DEPTH, str(TESTS / "kernels" / "dense_voxels.wgsl"), bindings, skips=skips)
+
+
+def start(device) -> SimpleNamespace:
+    """Where the G-buffer's pixels see something, in voxels, and which see it in the cube: empty pixels have the
+    camera's place, which is outside."""
+    s = seen(device)
+    points = GRID.to_cells(s.points)
+    return SimpleNamespace(s=s, points=points, inside=((points > 0.0) & (points < N)).all(axis=-1))
+
+
+def traced(device, made: DiffuseCones) -> np.ndarray:
+    """Raw irradiance and visibility (height, width, 4)."""
+    frame = seen(device).frame
+    made.prepare(frame.pixels)
+    with one_stage(device) as stage:
+        made.gather(stage, frame, GRID, **volume(device))
+        made.filter(stage, frame)
+    return device.read_texture(made.raw, np.float32, 4).astype(np.float64)
+
+
+@pytest.mark.parametrize(("count", "per_level", "cover"), [(8, 1, "surfaces"), (5, 2, "medium"), (16, 1, "surfaces")])
+def test_diffuse_as_the_simulator(device, count, per_level, cover):
+    """Each cone's samples add up to a share of at most 1, and what they are off by does, too."""
+    found = traced(device, DiffuseCones(device, voxels(), count=count, per_level=per_level, cover=cover))
+    at = start(device)
+    rows, columns = np.nonzero(at.inside)
+    phase = columns % 4 + 4 * (rows % 4)
+    assert at.inside.sum() > 250 and len(np.unique(phase)) == PHASES
+    for i in range(PHASES):
+        r = (rows[phase == i], columns[phase == i])
+        light, visible = gather(
+            scene(), DEPTH, at.points[r], at.s.normals[r], at.s.geometric[r], count=count, phases=[i],
+            per_level=per_level, cover=cover,
+        )  # fmt: skip
+        assert np.abs(found[r][:, :3] - light).max() <= 4.0 * WEIGHT * pi * BRIGHTEST
+        assert np.abs(found[r][:, 3] - visible).max() <= 4.0 * WEIGHT
+    nothing = ~at.inside
+    assert np.array_equal(found[nothing], np.tile([0.0, 0.0, 0.0, 1.0], (nothing.sum(), 1)))
+
+
+def test_specular_as_the_simulator(device):
+    made, at = SpecularCones(device, voxels()), start(device)
+    found = reflected(device, made)[at.inside]
+    s = at.s
+    _, cone = specular_light(
+        scene(), DEPTH, at.points[at.inside], s.normals[at.inside], s.geometric[at.inside], s.to_eye[at.inside],
+        s.material.roughness[at.inside],
+    )  # fmt: skip
+    albedo = lobe_albedo(s)[at.inside]
+    error = np.abs(found - albedo * cone.radiance) / albedo.max()
+    assert np.percentile(error, 99) <= 4.0 * WEIGHT * BRIGHTEST
+    assert np.mean(found) > 0.05
+
+
+def test_empty_cells_are_skipped_without_a_trace(device):
+    """Other samples fall on what is there: the tents add up to the same, but for where cones begin and end."""
+    plain, skipped = (reflected(device, SpecularCones(device, voxels(skips), step=0.25)) for skips in (False, True))
+    assert not np.array_equal(plain, skipped)
+    assert np.abs(plain - skipped).mean() <= 0.02 * plain.mean()
+
+
+def reflected(device, made: SpecularCones) -> np.ndarray:
+    frame = seen(device).frame
+    made.prepare(frame.pixels)
+    with one_stage(device) as stage:
+        made.run(stage, frame, GRID, **volume(device))
+    return device.read_texture(made.specular, np.float32, 4)[..., :3].astype(np.float64)
+
+
+def test_the_same_bits_again(device):
+    made = DiffuseCones(device, voxels(), resolution=2)
+    first, again = traced(device, made), traced(device, made)
+    assert np.array_equal(first, again)
+
+
+@pytest.mark.parametrize("wrong", [{"count": 3}, {"resolution": 3}, {"cover": "walls"}, {"offset": -1.0}])
+def test_wrong_values(device, wrong):
+    with pytest.raises(OctoluxError, match=r"not"):
+        DiffuseCones(device, voxels(), **wrong)
