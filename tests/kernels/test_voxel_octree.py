@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from gpu_tools import scene_of
-from voxel_tools import built, cells_of, mesh_of, random_triangles, read, sampled, unit_normals
+from gpu_tools import random_directions, scene_of
+from voxel_tools import built, cells_of, mesh_of, random_triangles, read, sampled, shine, unit_normals
 
 from octolux.gpu.device import DeviceError
 from octolux.scene.builtin.shapes import box
@@ -16,8 +16,8 @@ from octolux.scene.meshes import Instance
 from octolux.simulator.grid import Grid
 from octolux.simulator.tonemap import srgb_decode
 from octolux.simulator.voxels.fragments import fragments
-from octolux.simulator.voxels.pyramid import facing_levels, sample
-from octolux.simulator.voxels.surfaces import Voxels, around, voxelise
+from octolux.simulator.voxels.pyramid import facing_levels, intensity_levels, sample
+from octolux.simulator.voxels.surfaces import DIRECTIONS, Voxels, around, voxelise
 from octolux.techniques.voxel_cones import structure
 from octolux.techniques.voxel_cones.pools import Pool
 from octolux.techniques.voxel_cones.structure import VoxelOctree
@@ -77,16 +77,41 @@ def test_filtered_values(device, depth, count, size):
     grid = grid_of(depth)
     scene, expected = random_scene(grid, count, size, 10 + depth)
     octree = built(device, scene, grid)
-    rng = np.random.default_rng(1)
-    near = np.argwhere(expected.touched)[:, ::-1]
-    near = near[rng.integers(0, len(near), 1500)] + rng.uniform(-1.5, 2.5, (1500, 3))
-    points = np.clip(np.concatenate([near, rng.uniform(0, grid.n, (500, 3))]), 1e-3, grid.n - 1e-3)
-    for level, values in enumerate(facing_levels(expected.facing)):
-        filtered, found = sampled(octree, points, level)
-        exact = sample(values, points / 2.0**level)
-        np.testing.assert_allclose(filtered, exact, atol=WITHIN, err_msg=f"level {level}")
-        assert not exact[~found].any(), "a node is missing where something is"
+    points, towards = near_and_far(expected, np.random.default_rng(1))
+    for level, facing in enumerate(facing_levels(expected.facing)):
+        found, some = sampled(octree, points, level, towards)
+        exact = (np.maximum(-towards @ DIRECTIONS.T, 0.0) * sample(facing, points / 2.0**level)).sum(axis=1)
+        np.testing.assert_allclose(found[:, 3], exact, atol=WITHIN, err_msg=f"level {level}")
+        assert not found[:, :3].any() and not exact[~some].any(), "a node is missing where something is"
         assert exact.max() > 3 * WITHIN
+
+
+def near_and_far(voxels: Voxels, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Points (2000, 3) in voxels around what is touched, and anywhere; and unit directions."""
+    n = len(voxels.touched)
+    near = np.argwhere(voxels.touched)[:, ::-1]
+    near = near[rng.integers(0, len(near), 1500)] + rng.uniform(-1.5, 2.5, (1500, 3))
+    points = np.clip(np.concatenate([near, rng.uniform(0, n, (500, 3))]), 1e-3, n - 1e-3)
+    return points, random_directions(rng, len(points))
+
+
+@pytest.mark.parametrize(("depth", "count", "size"), [(4, 20, 12.0), (6, 60, 40.0)])
+def test_filtered_light(device, depth, count, size):
+    """Light that voxels of level 0 send six ways comes back from every level as from the dense pyramid."""
+    grid, rng = grid_of(depth), np.random.default_rng(7)
+    scene, expected = random_scene(grid, count, size, 20 + depth)
+    octree = built(device, scene, grid)
+    radiance = 40.0 * rng.uniform(size=(*expected.facing.shape, 3)) ** 2
+    light = radiance * expected.facing[..., None]
+    shine(octree, light, unit=50.0)
+    points, towards = near_and_far(expected, rng)
+    facings = facing_levels(expected.facing)
+    for level, intensity in enumerate(intensity_levels(light, facings)):
+        found, _ = sampled(octree, points, level, towards)
+        against = np.maximum(-towards @ DIRECTIONS.T, 0.0)
+        exact = np.einsum("mw,mwk->mk", against, sample(intensity, points / 2.0**level))
+        np.testing.assert_allclose(found[:, :3], exact, atol=40.0 * WITHIN, err_msg=f"level {level}")
+        assert exact.max() > 3 * 40.0 * WITHIN
 
 
 def test_no_jump_at_the_faces_of_bricks(device):
@@ -96,14 +121,16 @@ def test_no_jump_at_the_faces_of_bricks(device):
     octree = built(device, scene, grid)
     rng = np.random.default_rng(2)
     for level in range(4):
-        edge = grid.n >> level
-        cells = rng.integers(0, edge // 2 - 1, (2000, 3)) if edge > 2 else np.zeros((0, 3), int)
+        cells = rng.integers(0, (grid.n >> level) // 2 - 1, (2000, 3))
         middle = 2.0 * (cells + 1) + 0.5  # the upper corner of a brick
         across = np.eye(3)[rng.integers(0, 3, len(cells))]
         at = middle - (1 - across) * rng.uniform(0, 2, (len(cells), 3))
-        below, above = (sampled(octree, 2.0**level * (at + s * 1e-4 * across), level)[0] for s in (-1, 1))
-        # Two voxels may differ by 1, and 2e-4 of them lie between; the filter's weights have 8 bits, as texels have.
-        np.testing.assert_allclose(below, above, atol=2e-4 + 2 / 256)
+        towards = random_directions(rng, len(cells))
+        below, above = (sampled(octree, 2.0**level * (at + s * 1e-4 * across), level, towards)[0] for s in (-1, 1))
+        # Two voxels may differ by 1 for each of three ways, and 2e-4 of them lie between; the filter's weights have 8
+        # bits, as texels have.
+        np.testing.assert_allclose(below[:, 3], above[:, 3], atol=np.sqrt(3) * (2e-4 + 2 / 256))
+        assert level == 3 or (below[:, 3] > 0.1).any()
 
 
 def test_nodes_of_a_level_stand_together(device):
@@ -143,10 +170,10 @@ def test_the_same_bits_in_two_runs(device):
     scene, _ = random_scene(grid, 3000, 4.0, 6, emissive=(1.0, 2.0, 3.0))
     octree = built(device, scene, grid, peak=3.0)
     first, before = octree.codes().copy(), read(octree)
-    facing = bytes(device.queue.read_buffer(octree.facing.resource))
+    facing = bytes(device.queue.read_buffer(octree.bricks.facing.resource))
     again = built(device, scene, grid, octree, peak=3.0)
     np.testing.assert_array_equal(again.codes(), first)
-    assert bytes(device.queue.read_buffer(again.facing.resource)) == facing
+    assert bytes(device.queue.read_buffer(again.bricks.facing.resource)) == facing
     for a, b in zip(vars(before).values(), vars(read(again)).values(), strict=True):
         np.testing.assert_array_equal(a, b)
 
@@ -175,7 +202,8 @@ def test_a_closed_box_is_closed(device):
                     points = inside.copy()
                     points[:, axis] = wall
                     way = 2 * axis + (1 - side if ways == 0 else side)
-                    np.testing.assert_allclose(sampled(octree, points, level)[0][:, way], 1.0, atol=BYTE + 1 / 256)
+                    found, _ = sampled(octree, points, level, -DIRECTIONS[way])
+                    np.testing.assert_allclose(found[:, 3], 1.0, atol=BYTE + 1 / 256)
 
 
 def test_moved_instances_are_voxelised_where_they_are(device):
@@ -262,8 +290,8 @@ def test_a_pool_that_cannot_grow_says_so():
 def test_an_empty_scene_has_no_nodes(device):
     octree = built(device, scene_of([]), grid_of(4))
     assert octree.octree.counts.nodes == 0 and not read(octree).touched.any()
-    values, found = sampled(octree, np.full((1, 3), 5.0), 0)
-    assert not values.any() and not found.any()
+    values, some = sampled(octree, np.full((1, 3), 5.0), 0, (1.0, 0.0, 0.0))
+    assert not values.any() and not some.any()
 
 
 def test_another_grid_is_refused(device):

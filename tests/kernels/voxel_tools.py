@@ -7,9 +7,9 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from gpu_tools import TESTS, read_buffer
+from gpu_tools import TESTS, one_stage, read_buffer
 
-from octolux.gpu.bindings import sampler, storage, storage_rw, texture
+from octolux.gpu.bindings import storage, storage_rw
 from octolux.gpu.passes import ComputePass
 from octolux.gpu.profiler import Profiler
 from octolux.gpu.records import read_records, read_words
@@ -17,7 +17,6 @@ from octolux.gpu_scene.gpu_scene import GpuScene
 from octolux.scene.meshes import Mesh
 from octolux.simulator.grid import Grid
 from octolux.simulator.voxels.fragments import fragments
-from octolux.techniques.voxel_cones.octree import directory_binding
 from octolux.techniques.voxel_cones.structure import VOXEL, VoxelOctree
 
 ROUNDING = 1e-4
@@ -49,7 +48,9 @@ def random_triangles(grid: Grid, count: int, size: float, seed: int) -> np.ndarr
     rng = np.random.default_rng(seed)
     corners = rng.uniform(1.0, grid.n - 1.0, (count, 1, 3)) + rng.uniform(-size / 2, size / 2, (count, 3, 3))
     corners = np.clip(corners, 0.5, grid.n - 0.5) * grid.cell_size + np.array(grid.origin)
-    return clear_triangles(corners.astype(np.float32).astype(np.float64), grid)
+    corners = corners.astype(np.float32).astype(np.float64)
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    return clear_triangles(corners[area > 1e-3 * grid.cell_size**2], grid)
 
 
 def mesh_of(corners: np.ndarray, material: int = 0, uvs: np.ndarray | None = None) -> Mesh:
@@ -116,6 +117,31 @@ def read(octree: VoxelOctree) -> Read:
     return made
 
 
+def shine(octree: VoxelOctree, light: np.ndarray, unit: float) -> None:
+    """Let voxels of level 0 send `light` [z][y][x][6][3], nits times share of section, and bring it up and into bricks.
+    unit: nits, at least the brightest."""
+    bricks, device = octree.bricks, octree.device
+    first, count = bricks.levels[0]
+    owners = np.frombuffer(device.queue.read_buffer(bricks.owners.resource), np.uint32)[first : first + count]
+    cells = cells_of(octree.codes()[owners >> 3])
+    words = np.zeros((count, 8), np.uint32)
+    for corner in range(8):
+        x, y, z = (2 * cells + [corner & 1, corner >> 1 & 1, corner >> 2]).T
+        words[:, corner] = _pack_bright(light[z, y, x, owners & 7] / unit)
+    device.write(bricks.light.resource, words, 32 * first)
+    with one_stage(device) as stage:
+        bricks.average_light(stage)
+        bricks.copy(stage, unit)
+
+
+def _pack_bright(colors: np.ndarray) -> np.ndarray:
+    """techniques/voxel_cones/bright.wgsl."""
+    largest = np.maximum(colors.max(axis=1), 1e-30)
+    exponent = np.clip(np.ceil(np.log2(largest * 512 / 511)), -31, 0)
+    codes = np.minimum(np.round(colors * 2.0 ** (9 - exponent)[:, None]), 511).astype(np.uint32)
+    return codes[:, 0] | codes[:, 1] << 9 | codes[:, 2] << 18 | (exponent + 31).astype(np.uint32) << 27
+
+
 def _bytes(packed: np.ndarray) -> np.ndarray:
     return (packed[:, None] >> np.array([0, 8, 16], np.uint32) & 255) / 255.0
 
@@ -131,25 +157,19 @@ def cells_of(codes: np.ndarray) -> np.ndarray:
     return cells
 
 
-def sampled(octree: VoxelOctree, points: np.ndarray, level: int) -> tuple[np.ndarray, np.ndarray]:
-    """Filtered shares of sections (m, 6), in the order of surfaces.DIRECTIONS, at points (m, 3) in voxels of level 0,
-    on a level; and whether there is a node, bool (m,)."""
-    device = octree.device
-    given = np.column_stack([points, np.full(len(points), level)]).astype(np.float32)
+def sampled(octree: VoxelOctree, points: np.ndarray, level: int, towards: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """`sample_voxels` at points (m, 3) in voxels of level 0, on a level, along unit vectors (m, 3) or (3,): radiance
+    times opacity and opacity, (m, 4); and whether there is a node, bool (m,)."""
+    device, bricks = octree.device, octree.bricks
+    given = np.zeros((len(points), 8), np.float32)
+    given[:, :3], given[:, 3], given[:, 4:7] = points, level, towards
     result = device.buffer("result", size=32 * len(points))
     kernel = ComputePass(
         device, "bricks", str(TESTS / "kernels" / "voxel_bricks.wgsl"),
-        [directory_binding(), texture("bricks_up", "float", "3d"), texture("bricks_down", "float", "3d"),
-         sampler("linear"), storage("given", "vec4f"), storage_rw("result", "vec4f", "write")],
-        workgroup=(64, 1, 1), count=len(points), sampled=True, **octree.values,
+        [*bricks.bindings, storage("given", "vec4f"), storage_rw("result", "vec4f", "write")],
+        structs=bricks.structs, workgroup=(64, 1, 1), count=len(points), file=bricks.file, **bricks.values,
     )  # fmt: skip
-    profiler = Profiler(device, "off")
-    with profiler.frame(), profiler.stage("test") as stage:
-        kernel.run(
-            stage, (len(points),), given=device.buffer("given", given), result=result,
-            directory=octree.octree.directory, bricks_up=octree.bricks_up.resource,
-            bricks_down=octree.bricks_down.resource,
-            linear=device.wgpu.create_sampler(mag_filter="linear", min_filter="linear"),
-        )  # fmt: skip
+    with one_stage(device) as stage:
+        kernel.run(stage, (len(points),), given=device.buffer("given", given), result=result, **bricks.resources)
     values = read_buffer(device, result).reshape(-1, 8)[: len(points)]
-    return values[:, :6].astype(np.float64), values[:, 6] == 1.0
+    return values[:, :4].astype(np.float64), values[:, 4] == 0.0

@@ -9,3 +9,9 @@ fn pack_shares(shares: vec3f) -> u32 {
 fn unpack_shares(packed: u32) -> vec3f {
     return vec3f(vec3u(packed, packed >> 10u, packed >> 20u) & vec3u(1023u)) / 1023.0;
 }
+
+// The share that faces one of simulator/voxels/surfaces.DIRECTIONS.
+fn share_of_way(packed: vec2u, way: u32) -> f32 {
+    let word = select(packed.y, packed.x, (way & 1u) == 0u);
+    return f32((word >> (10u * (way >> 1u))) & 1023u) / 1023.0;
+}

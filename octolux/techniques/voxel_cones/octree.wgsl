@@ -1,9 +1,12 @@
-// The sparse octree: which of a level's cells have nodes, and where a node's brick lies. All of the layout is here and in
-// octree.py.
+// The sparse octree: which of a level's cells have nodes, and where a node's bricks lie. All of the layout is here, in
+// octree.py and in bricks.py.
 //
 // Nodes are numbered by their codes, so those of a level stand together, and in Morton order. A texel of `directory`
 // says of 32 cells which have nodes, and the number of the first of these: children, parent and neighbours of a node, the
 // pointers of the thesis (VCT 5.2.2), are looked up there by their codes, without a descent.
+//
+// A node has a brick for each of the six ways that anything in it faces. Its 3^3 texels are the middles of voxels 2 j to
+// 2 j + 2 of its level, where j is its cell: so what lies between them is filtered by hardware.
 {{ use("techniques/voxel_cones/codes.wgsl") }}
 
 const NO_NODE = 0xffffffffu;
@@ -15,29 +18,87 @@ fn node_of(code: u32) -> u32 {
     return select(NO_NODE, entry.y + countOneBits(entry.x & (bit - 1u)), (entry.x & bit) != 0u);
 }
 
-// The node of a cell of `level`; cells outside the cube have none.
-fn node_at(level: u32, cell: vec3i) -> u32 {
+// A node's cell and its neighbours at the upper sides: number k at (k & 1, k >> 1 & 1, k >> 2).
+fn around_node(code: u32) -> array<u32, 8> {
+    let log2_edge = log2_edge_of(code);
+    let cell = cell_of(code);
+    let edge = 1u << log2_edge;
+    var nodes: array<u32, 8>;
+    {% for o in range(8) %}
+    {
+        let other = cell + vec3u({{ o % 2 }}u, {{ o // 2 % 2 }}u, {{ o // 4 }}u);
+        nodes[{{ o }}] = select(NO_NODE, node_of(code_of(log2_edge, min(other, vec3u(edge - 1u)))), all(other < vec3u(edge)));
+    }
+    {% endfor %}
+    return nodes;
+}
+
+// ways: of a node, number of its first brick << 6 | which ways it has; NO_NODE for a way that it has not.
+fn brick_of_way(ways: u32, way: u32) -> u32 {
+    let bit = 1u << way;
+    return select(NO_NODE, (ways >> 6u) + countOneBits(ways & (bit - 1u)), (ways & bit) != 0u);
+}
+
+{% if "ways" in reads %}
+fn brick_there(node: u32, way: u32) -> u32 {
+    return select(NO_NODE, brick_of_way(ways[select(node, 0u, node == NO_NODE)], way), node != NO_NODE);
+}
+{% endif %}
+
+// The first texel of a brick.
+fn brick_texel(brick: u32) -> vec3u {
+    return 3u * vec3u(brick & {{ bricks_row - 1 }}u, brick / {{ bricks_row }}u % {{ bricks_row }}u, brick / {{ bricks_row**2 }}u);
+}
+
+// Scales go in quarters of powers of two, from 2^-32 to 2^31; code 0 is for none, whose texels are dark.
+fn scale_code(brightest: f32) -> u32 {
+    let code = clamp(i32(ceil(4.0 * log2(max(brightest, 1e-30)) + 0.01)) + 128, 1, 255);
+    return select(0u, u32(code), brightest > 0.0);
+}
+
+fn scale_of(code: u32) -> f32 { return exp2(0.25 * (f32(code) - 128.0)); }
+
+{% if "nodes" in reads %}
+// position: in voxels of level 0 from the cube's corner, inside it. Of a level the cell of 2^3 voxels' edges around it,
+// whose corners are middles of voxels; half a voxel from the border inwards the outermost voxels hold.
+struct Place { code: u32, within: vec3f }
+
+fn place_at(position: vec3f, level: u32) -> Place {
     let log2_edge = {{ depth - 1 }}u - level;
-    let inside = all(cell >= vec3i(0)) && all(cell < vec3i(1i << log2_edge));
-    let node = node_of(code_of(log2_edge, vec3u(clamp(cell, vec3i(0), vec3i((1i << log2_edge) - 1)))));
-    return select(NO_NODE, node, inside);
+    let edge = f32(2u << log2_edge);
+    let at = clamp(position * exp2(-f32(level)) - 0.5, vec3f(0.0), vec3f(edge - 1.0));
+    let cell = min(vec3u(0.5 * at), vec3u((1u << log2_edge) - 1u));
+    return Place(code_of(log2_edge, cell), at - vec3f(2u * cell) + 0.5);
 }
 
-// A node's brick: 3^3 texels, for the middles of voxels 2 j to 2 j + 2 of its level, where j is its cell.
-fn brick_of(node: u32) -> vec3u {
-    return 3u * vec3u(node & {{ bricks - 1 }}u, (node >> {{ log2_bricks }}u) & {{ bricks - 1 }}u, node >> {{ 2 * log2_bricks }}u);
+// Whether there is nothing around a position on this level, and so on finer ones.
+fn is_empty(position: vec3f, level: u32) -> bool { return node_of(place_at(position, level).code) == NO_NODE; }
+
+// What one way sends, and what faces there; way: one of two, for the component of a direction.
+fn read_way(node: Node, way: u32, scales: u32, within: vec3f) -> vec4f {
+    let packed = (node.first << 6u) | node.ways;
+    let brick = brick_of_way(packed, way);
+    let texel = (vec3f(brick_texel(select(brick, 0u, brick == NO_NODE))) + within) / vec3f(textureDimensions(bricks));
+    let found = textureSampleLevel(bricks, brick_sampler, texel, 0.0);
+    let scale = scale_of((scales >> (8u * (way >> 1u))) & 255u);
+    return select(vec4f(scale * found.rgb, found.a), vec4f(0.0), brick == NO_NODE);
 }
 
-{% if sampled is defined %}
-// Where to read trilinear values: texel of the bricks' textures, from their corner, and whether there is a node.
-struct Place { texel: vec3f, found: bool }
-
-// p: in voxels of `level` from the cube's corner, inside it. Half a voxel from the border the outermost voxels hold.
-fn place_at(level: u32, p: vec3f) -> Place {
-    let edge = f32(2u << ({{ depth - 1 }}u - level));
-    let at = clamp(p - 0.5, vec3f(0.0), vec3f(edge - 1.0));
-    let cell = min(vec3u(0.5 * at), vec3u(u32(edge) / 2u - 1u));
-    let node = node_of(code_of({{ depth - 1 }}u - level, cell));
-    return Place(vec3f(brick_of(node)) + (at - vec3f(2u * cell)) + 0.5, node != NO_NODE);
+// What is met around a position on a way along the unit vector `direction` as long as an edge of the level's voxels:
+// radiance times opacity, and opacity. It crosses |d| of the sections across each axis, of what looks against it.
+fn sample_voxels(position: vec3f, level: u32, direction: vec3f) -> vec4f {
+    let place = place_at(position, level);
+    let number = node_of(place.code);
+    if number == NO_NODE { return vec4f(0.0); }
+    let node = load_nodes(number);
+    var sum = vec4f(0.0);
+    {% for axis in "xyz" %}
+    {
+        let up = direction.{{ axis }} < 0.0;
+        let way = {{ 2 * loop.index0 }}u + select(1u, 0u, up);
+        sum += abs(direction.{{ axis }}) * read_way(node, way, select(node.scales_down, node.scales_up, up), place.within);
+    }
+    {% endfor %}
+    return sum;
 }
 {% endif %}

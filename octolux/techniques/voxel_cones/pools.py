@@ -11,6 +11,8 @@ from ...raytracing.scan import PARAMETERS
 
 ROW = 1 << 20  # threads along x of passes whose threads are many
 WORKGROUP = (64, 1, 1)
+OWN = 8
+"""Voxels that a node owns."""
 _GROWTH = 1.25  # room made beyond need when there is too little: the first time a scene has just what it needs
 
 
