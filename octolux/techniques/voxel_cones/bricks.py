@@ -100,10 +100,9 @@ class Bricks:
         self._average_light = made(
             "averaging light", "average_light", [*nodes, facing, ways, owners, storage_rw("light", "u32")], ("ways",)
         )
-        self._scales = made("scales", "scales", [*nodes, ways, owners, light, out[4]], ("ways",))
         self._records = made("records", "records", [given, ways, scales, records_out("nodes", NODE)])
         bricks = storage_texture("bricks", "rgba8unorm", "3d")
-        self._copy = made("edge copy", "bricks", [*nodes, facing, ways, owners, light, scales, bricks], ("ways",))
+        self._copy = made("edge copy", "bricks", [*nodes, facing, ways, owners, light, out[4], bricks], ("ways",))
 
     @property
     def resources(self) -> dict[str, Any]:
@@ -165,14 +164,12 @@ class Bricks:
         count, word = self.bricks.used, int(np.float32(max(unit, _DARK)).view(np.uint32))
         given = self._given(count, second=word)
         own = {"ways": self.ways.resource, "owners": self.owners.resource, "light": self.light.resource}
-        self._scales.run(stage, threads(count), parameters=given, **self._of_nodes(), **own,
-                         scales=self.scales.resource)  # fmt: skip
+        self._copy.run(stage, threads(count), parameters=given, **self._of_nodes(), **own, facing=self.facing.resource,
+                       scales=self.scales.resource, bricks=self.bricks.resource)  # fmt: skip
         self._records.run(
             stage, threads(self.octree.counts.nodes), parameters=self._given(self.octree.counts.nodes),
             ways=self.ways.resource, scales=self.scales.resource, nodes=self.nodes.resource,
         )  # fmt: skip
-        self._copy.run(stage, threads(count), parameters=given, **self._of_nodes(), **own, facing=self.facing.resource,
-                       scales=self.scales.resource, bricks=self.bricks.resource)  # fmt: skip
 
     def _given(self, count: int, first: int = 0, second: int = 0) -> Any:
         return parameters(self.device, count, first, second)

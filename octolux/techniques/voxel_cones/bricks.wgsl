@@ -12,22 +12,29 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let owner = owners[index];
     let way = owner & 7u;
     let around = around_node(codes[owner >> 3u]);
-    let texel = brick_texel(index);
-    let over = bitcast<f32>(parameters.second) / scale_of(scales[index]);
+    var brightest = vec3f(0.0);
     {% for o in range(8) %}
+    let brick_{{ o }} = brick_there(around[{{ o }}], way);
+    let some_{{ o }} = brick_{{ o }} != NO_NODE;
+    let lit_{{ o }} = 8u * select(0u, brick_{{ o }}, some_{{ o }});
+    let node_{{ o }} = 8u * select(0u, around[{{ o }}], some_{{ o }});
+    {% for corner in borrowed[o] %}
+    let light_{{ o }}_{{ corner }} = select(vec3f(0.0), unpack_bright(light[lit_{{ o }} + {{ corner }}u]), some_{{ o }});
+    brightest = max(brightest, light_{{ o }}_{{ corner }});
+    {% endfor %}
+    {% endfor %}
+    let unit = bitcast<f32>(parameters.second);
+    let code = scale_code(unit * max(max(brightest.r, brightest.g), brightest.b));
+    let over = unit / scale_of(code);
+    scales[index] = code;
+    let texel = brick_texel(index);
+    {% for o in range(8) %}
+    {% for corner in borrowed[o] %}
     {
-        let brick = brick_there(around[{{ o }}], way);
-        let some = brick != NO_NODE;
-        let node = select(0u, around[{{ o }}], some);
-        let lit = select(0u, brick, some);
-        {% for corner in borrowed[o] %}
-        {
-            let share = share_of_way(facing[8u * node + {{ corner }}u], way);
-            let value = vec4f(over * unpack_bright(light[8u * lit + {{ corner }}u]), share);
-            let offset = vec3u({{ corner % 2 + 2 * (o % 2) }}u, {{ corner // 2 % 2 + 2 * (o // 2 % 2) }}u, {{ corner // 4 + 2 * (o // 4) }}u);
-            textureStore(bricks, texel + offset, select(vec4f(0.0), value, some));
-        }
-        {% endfor %}
+        let share = select(0.0, share_of_way(facing[node_{{ o }} + {{ corner }}u], way), some_{{ o }});
+        let offset = vec3u({{ corner % 2 + 2 * (o % 2) }}u, {{ corner // 2 % 2 + 2 * (o // 2 % 2) }}u, {{ corner // 4 + 2 * (o // 4) }}u);
+        textureStore(bricks, texel + offset, vec4f(over * light_{{ o }}_{{ corner }}, share));
     }
+    {% endfor %}
     {% endfor %}
 }
