@@ -83,14 +83,13 @@ def near_samples(count: int) -> list[Sample]:
 
 
 def first_level_samples(count: int, per_level: int) -> list[Sample]:
-    """Those after them, `per_level` where voxels of level 0 are not yet too small; on each further level they are twice
-    as far away. Each stands for the way to the next."""
+    """Those after them, `per_level` up to where the cone wants voxels twice as large; on each further level they are
+    twice as far away. Each stands for the way to the next."""
     first = 1.0 / (SIZE * 2.0 * tan(half_angle(count)))
-    ratio = 2.0 ** (1.0 / per_level)
-    return [Sample(first * ratio**i, 0, first * ratio**i * (ratio - 1.0)) for i in range(per_level)]
+    return [Sample(first * (1.0 + i / per_level), 0, first / per_level) for i in range(per_level)]
 
 
-def diffuse_samples(count: int, depth: int, per_level: int = 1) -> list[Sample]:
+def diffuse_samples(count: int, depth: int, per_level: int = 2) -> list[Sample]:
     """Of each of `count` cones through (2^depth)^3 voxels, whose coarsest level has 2^3: so that voxels match the cone
     (VCT 5.6), as far as the cube reaches."""
     found, level = near_samples(count), 0
@@ -124,15 +123,16 @@ def _covered(traced: Traced, found: tuple[np.ndarray, np.ndarray], step, cover: 
 def trace(read: Read, start, towards, samples: Sequence[Sample], n: int, cover: str = "surfaces") -> Traced:
     """Wide cones from points `start` (m, 3), voxels, along unit `towards` (m, 3), through n^3 voxels.
 
-    The last sample of a cone is where it leaves them: what is there may lie between two samples.
+    The last sample of a cone is where it leaves them, for the way from the one before, of whose level it is.
     """
-    reach, traced, before = way_out(start, towards, n), None, 0.0
+    reach, traced, before = way_out(start, towards, n), None, Sample(0.0, 0, 0.0)
     for sample in samples:
+        leaves = sample.distance > reach
         points = _along(start, towards, np.minimum(sample.distance, reach), n)
-        found = read(points, np.full(len(start), float(sample.level)), towards)
+        found = read(points, np.where(leaves, float(before.level), float(sample.level)), towards)
         traced = traced or Traced(np.zeros_like(found[0]), np.ones(len(start)))
-        traced = _covered(traced, found, np.where(before < reach, sample.step, 0.0), cover)
-        before = sample.distance
+        step = np.where(leaves, np.maximum(reach - before.distance, 0.0) / 2.0**before.level, sample.step)
+        traced, before = _covered(traced, found, step, cover), sample
     assert traced
     return traced
 
@@ -165,7 +165,7 @@ def above(towards, geometric) -> np.ndarray:
 
 def gather(
     read: Read, depth: int, points, normals, geometric=None, *, count: int = 8, phases: Sequence[int] = range(PHASES),
-    per_level: int = 1, offset: float = 1.0, cover: str = "surfaces", sky: Callable | None = None,
+    per_level: int = 2, offset: float = 1.0, cover: str = "surfaces", sky: Callable | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Irradiance (m, k), radiance's unit times sr, and ambient visibility (m,) at points (m, 3) in voxels.
 
@@ -199,7 +199,8 @@ def specular_light(
     start = np.asarray(points, dtype=np.float64) + offset * np.asarray(geometric, dtype=np.float64)
     widening = CONE * np.broadcast_to(alpha_of(roughness), len(start))
     reach, travelled, traced = way_out(start, towards, 2**depth), np.zeros(len(start)), None
-    while traced is None or np.any(going):
+    going = np.ones(len(start), bool)
+    while going.any():
         level = np.minimum(np.log2(np.maximum(widening * travelled, 1.0)), depth - 1.0)
         size = 2.0**level
         at = np.minimum(travelled + 0.5 * step * size, reach)

@@ -12,35 +12,38 @@
 const TILE = 4u;
 const TOGETHER = 8u;
 
-fn wide_cone(start: vec3f, towards: vec3f, wanted: bool) -> Traced {
-    var traced = Traced(vec3f(0.0), select(0.0, 1.0, wanted));
-    let reach = way_out(start, towards);
-    var before = 0.0;
-    {% for sample in near %}
-    traced = covered(
-        traced, sample_voxels(start + min({{ sample.distance }}, reach) * towards, 0u, towards),
-        select(0.0, {{ sample.step }}, before < reach),
+// before, before_level: of the last sample; the one where a cone leaves the cube is for the way from there, on its level.
+struct Way { start: vec3f, towards: vec3f, reach: f32, before: f32, before_level: u32, traced: Traced }
+
+// distance: of the sample in voxels of level 0; step: for which it stands, in voxels of `level`.
+fn sampled(way: Way, distance: f32, level: u32, step: f32) -> Way {
+    let leaves = distance > way.reach;
+    let found = sample_voxels(
+        way.start + min(distance, way.reach) * way.towards, select(level, way.before_level, leaves), way.towards,
     );
-    before = {{ sample.distance }};
+    let rest = max(way.reach - way.before, 0.0) / f32(1u << way.before_level);
+    let traced = covered(way.traced, found, select(step, rest, leaves));
+    return Way(way.start, way.towards, way.reach, distance, level, traced);
+}
+
+fn wide_cone(start: vec3f, towards: vec3f, wanted: bool) -> Traced {
+    var way = Way(start, towards, way_out(start, towards), 0.0, 0u, Traced(vec3f(0.0), select(0.0, 1.0, wanted)));
+    {% for sample in near %}
+    way = sampled(way, {{ sample.distance }}, 0u, {{ sample.step }});
     {% endfor %}
-    var length = 1.0; // of the level's way, in that of level 0
-    var step = 1.0; // the same, in voxels of the level
+    var far = 1.0; // how many times as far as on level 0 samples are
+    var step = 1.0; // and for how long a way they stand, in voxels of their level
     var level = 0u;
     loop {
         {% for sample in first_level %}
-        {
-            let distance = {{ sample.distance }} * length;
-            let found = sample_voxels(start + min(distance, reach) * towards, level, towards);
-            traced = covered(traced, found, select(0.0, {{ sample.step }} * step, before < reach));
-            before = distance;
-        }
+        way = sampled(way, {{ sample.distance }} * far, level, {{ sample.step }} * step);
         {% endfor %}
-        length *= 2.0;
+        far *= 2.0;
         step *= select(1.0, 2.0, level == TOP);
         level = min(level + 1u, TOP);
-        continuing { break if before >= reach || traced.left <= {{ left }}; }
+        continuing { break if way.before >= way.reach || way.traced.left <= {{ left }}; }
     }
-    return traced;
+    return way.traced;
 }
 
 // How far the cones of a pixel's phase are moved: outwards on the disc, and around (`phase_shift`).

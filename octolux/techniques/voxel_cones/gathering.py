@@ -111,7 +111,7 @@ class DiffuseCones(_Gathering):
     """
 
     def __init__(
-        self, device: Device, voxels: Voxels, *, count: int = 8, per_level: int = 1, resolution: int = 1,
+        self, device: Device, voxels: Voxels, *, count: int = 8, per_level: int = 2, resolution: int = 1,
         offset: float = 1.0, cover: str = "surfaces", sky: bool = False,
     ):  # fmt: skip
         super().__init__(device, voxels, resolution, offset, cover)
