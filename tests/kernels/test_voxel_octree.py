@@ -114,6 +114,29 @@ def test_filtered_light(device, depth, count, size):
         assert exact.max() > 3 * 40.0 * WITHIN
 
 
+def test_only_what_is_touched_is_filtered(device):
+    """Light that changes in a corner of the scene: the same as when all is filtered, from fewer bricks."""
+    grid, rng = grid_of(6), np.random.default_rng(8)
+    scene, expected = random_scene(grid, 300, 5.0, 30)
+    octree = built(device, scene, grid)
+    light = 9.0 * rng.uniform(size=(*expected.facing.shape, 3)) * expected.facing[..., None]
+    shine(octree, light, unit=10.0)
+    first, count = octree.octree.counts.levels[0]
+    cells = cells_of(octree.codes()[first : first + count])
+    touched = (cells < 10).all(axis=1)
+    x, y, z = np.concatenate([2 * cells[touched] + [c & 1, c >> 1 & 1, c >> 2] for c in range(8)]).T
+    light[z, y, x] = light[z, y, x][:, ::-1] * 0.3
+    shine(octree, light, 10.0, touched)
+    updated = int(np.frombuffer(device.queue.read_buffer(octree.filtering.update_count), np.uint32)[0])
+    points, towards = near_and_far(expected, rng)
+    partly = [sampled(octree, points, level, towards)[0] for level in range(6)]
+    shine(octree, light, unit=10.0)
+    for level in range(6):
+        np.testing.assert_array_equal(partly[level], sampled(octree, points, level, towards)[0])
+    assert 0 < updated < 0.4 * octree.bricks.bricks.used
+    assert not np.frombuffer(device.queue.read_buffer(octree.bricks.touched.resource), np.uint32).any()
+
+
 def test_no_jump_at_the_faces_of_bricks(device):
     """Values on both sides of faces between bricks, and between a brick and nothing, are the same."""
     grid = grid_of(5)

@@ -117,9 +117,9 @@ def read(octree: VoxelOctree) -> Read:
     return made
 
 
-def shine(octree: VoxelOctree, light: np.ndarray, unit: float) -> None:
-    """Let voxels of level 0 send `light` [z][y][x][6][3], nits times share of section, and bring it up and into bricks.
-    unit: nits, at least the brightest."""
+def shine(octree: VoxelOctree, light: np.ndarray, unit: float, touched: np.ndarray | None = None) -> None:
+    """Let voxels of level 0 send `light` [z][y][x][6][3], nits times share of section, and filter it: all, or what
+    comes of the nodes of level 0 that are `touched`, bool (nodes,). unit: nits, at least the brightest."""
     bricks, device = octree.bricks, octree.device
     first, count = bricks.levels[0]
     owners = np.frombuffer(device.queue.read_buffer(bricks.owners.resource), np.uint32)[first : first + count]
@@ -130,8 +130,11 @@ def shine(octree: VoxelOctree, light: np.ndarray, unit: float) -> None:
         words[:, corner] = _pack_bright(light[z, y, x, owners & 7] / unit)
     device.write(bricks.light.resource, words, 32 * first)
     with one_stage(device) as stage:
-        bricks.average_light(stage)
-        bricks.copy(stage, unit)
+        if touched is None:
+            octree.filtering.everything(stage, unit)
+        else:
+            device.write(bricks.touched.resource, touched.astype(np.uint32), 4 * octree.octree.counts.levels[0][0])
+            octree.filtering.touched(stage, unit)
 
 
 def _pack_bright(colors: np.ndarray) -> np.ndarray:

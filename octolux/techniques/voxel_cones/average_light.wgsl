@@ -9,6 +9,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let index = 8u * parameters.first + id.x + {{ row }}u * id.y;
     if index >= 8u * (parameters.first + parameters.count) { return; }
     let owner = owners[index >> 3u];
+    {% if listed %}
+    if touched[owner >> 3u] == 0u { return; }
+    {% endif %}
     let way = owner & 7u;
     let child = node_of(8u * codes[owner >> 3u] + (index & 7u));
     if child == NO_NODE { return; }

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from ...frame.frame import COPY, STORAGE, TEXTURE
-from ...gpu.bindings import Binding, sampler, storage, storage_rw, storage_texture, texture, uniform
+from ...gpu.bindings import Binding, sampler, storage, storage_rw, texture, uniform
 from ...gpu.device import Device
 from ...gpu.layout import Struct
 from ...gpu.limits import DEFAULT_LIMITS
 from ...gpu.passes import ComputePass
 from ...gpu.profiler import Profiler
-from ...gpu.records import record_texture, records_out, sampled_records
+from ...gpu.records import record_texture, sampled_records
 from ...raytracing.scan import BLOCK, PARAMETERS, PrefixSum
 from .octree import LABEL, Octree, directory_binding
 from .pools import OWN, ROW, WORKGROUP, Pool, parameters, threads
@@ -26,8 +26,7 @@ EDGE = 3
 BRICKS_ROW = 128  # bricks along x and y of their texture
 _BRICKS_LAYER = BRICKS_ROW**2
 _BUFFER = DEFAULT_LIMITS["max-storage-buffer-binding-size"]
-_WAY_BITS = 6
-_DARK = float(np.finfo(np.float32).tiny)
+PARAMETERS_OF = uniform("parameters", PARAMETERS)
 
 
 def brick_texture(device: Device, count: int) -> Any:
@@ -46,7 +45,8 @@ class Bricks:
     """facing: vec2u of the eight voxels that each node owns (facing.wgsl).  ways: u32 of each node, number of its first
     brick << 6 | which ways it has.  owners: u32 of each brick, its node << 3 | its way.  light: u32 of the eight voxels
     that each brick's node owns, what they send its way, radiance times share of section, as a share of a unit
-    (bright.wgsl).  levels: first and number of bricks of each level, from level 0.
+    (bright.wgsl).  touched: u32 of each node, not 0 where its light is to be made anew.  levels: first
+    and number of bricks of each level, from level 0.
 
     `file`, `bindings`, `structs`, `values` and `resources` are for shaders that read them by `sample_voxels` and
     `is_empty` (octree.wgsl).
@@ -70,6 +70,7 @@ class Bricks:
         most = min(_BRICKS_LAYER * (DEFAULT_LIMITS["max-texture-dimension-3d"] // EDGE), _BUFFER // (4 * OWN))
         own = 8 * OWN  # bytes of what a node's voxels face
         self.facing = Pool("nodes", lambda count: device.buffer(LABEL, size=own * count), limit=_BUFFER // own)
+        self.touched = Pool("nodes", words, limit=_BUFFER // 4)
         self.ways = Pool("nodes", words, limit=_BUFFER // 4)
         self.nodes = Pool("nodes", lambda count: record_texture(device, LABEL, NODE, count), limit=_BUFFER // 4)
         self.owners, self.scales = Pool("bricks", words, limit=most), Pool("bricks", words, limit=most)
@@ -77,32 +78,28 @@ class Bricks:
         self.bricks = Pool("bricks", lambda count: brick_texture(device, count), limit=most)
         self._sampler = device.wgpu.create_sampler(mag_filter="linear", min_filter="linear")
         self._sums = PrefixSum(device, "u32")
+        self.pass_values: dict[str, Any] = {
+            "structs": [PARAMETERS, NODE], "workgroup": WORKGROUP, "row": ROW, "block": BLOCK, "reads": (),
+            "borrowed": _borrowed(), **octree.values,
+        }  # fmt: skip
         self._make_passes()
 
     def _make_passes(self) -> None:
-        given, codes = uniform("parameters", PARAMETERS), storage("codes", "u32")
-        facing, light = storage("facing", "vec2u"), storage("light", "u32")
-        ways, owners, scales = (storage(name, "u32") for name in ("ways", "owners", "scales"))
-        nodes = [given, codes, directory_binding()]
-
-        def made(name: str, file: str, bindings: list[Binding], reads: tuple[str, ...] = ()) -> ComputePass:
-            return ComputePass(
-                self.device, name, f"techniques/voxel_cones/{file}.wgsl", bindings, structs=[PARAMETERS, NODE],
-                workgroup=WORKGROUP, row=ROW, block=BLOCK, reads=reads, borrowed=_borrowed(),
-                **self.octree.values,
-            )  # fmt: skip
-
-        out = [storage_rw(name, "u32", "write") for name in ("masks", "values", "ways", "owners", "scales")]
-        self._average = made("averaging", "average", [*nodes, storage_rw("facing", "vec2u")])
-        self._ways = made("ways", "ways", [*nodes, facing, *out[:2]])
+        fixed = self.pass_values
+        nodes = [PARAMETERS_OF, storage("codes", "u32"), directory_binding()]
+        out = {name: storage_rw(name, "u32", "write") for name in ("masks", "values", "ways", "owners")}
         sums = [storage(name, "u32") for name in ("masks", "values", "totals")]
-        self._owners = made("owners", "owners", [given, *sums, out[2], out[3]])
-        self._average_light = made(
-            "averaging light", "average_light", [*nodes, facing, ways, owners, storage_rw("light", "u32")], ("ways",)
+        folder = "techniques/voxel_cones"
+        self._average = ComputePass(
+            self.device, "averaging", f"{folder}/average.wgsl", [*nodes, storage_rw("facing", "vec2u")], **fixed
         )
-        self._records = made("records", "records", [given, ways, scales, records_out("nodes", NODE)])
-        bricks = storage_texture("bricks", "rgba8unorm", "3d")
-        self._copy = made("edge copy", "bricks", [*nodes, facing, ways, owners, light, out[4], bricks], ("ways",))
+        self._ways = ComputePass(
+            self.device, "ways", f"{folder}/ways.wgsl",
+            [*nodes, storage("facing", "vec2u"), out["masks"], out["values"]], **fixed,
+        )  # fmt: skip
+        self._owners = ComputePass(
+            self.device, "owners", f"{folder}/owners.wgsl", [PARAMETERS_OF, *sums, out["ways"], out["owners"]], **fixed
+        )
 
     @property
     def resources(self) -> dict[str, Any]:
@@ -114,24 +111,24 @@ class Bricks:
 
     def make_room(self) -> None:
         """For the nodes of the octree; nothing faces any way."""
-        for pool in (self.facing, self.ways, self.nodes):
+        for pool in (self.facing, self.ways, self.nodes, self.touched):
             pool.need(self.octree.counts.nodes)
 
     def average(self, stage: Any) -> None:
         """What faces each way, from level 0 up (VCT 5.4.3)."""
         for first, count in self.octree.counts.levels[1:]:
-            self._average.run(stage, threads(OWN * count), parameters=self._given(count, first), **self._of_nodes(),
-                              facing=self.facing.resource)  # fmt: skip
+            self._average.run(stage, threads(OWN * count), parameters=parameters(self.device, count, first),
+                              facing=self.facing.resource, **self.of_nodes())  # fmt: skip
 
     def number(self, profiler: Profiler) -> None:
         """Give each way that a node has a brick, without light. The host waits, to learn how many there are. Raises
         DeviceError when there are more than there can be room for."""
         device, count, octree = self.device, self.octree.counts.nodes, self.octree
         masks, sums = device.buffer("voxel build", size=4 * max(1, count)), self._sums.sums(max(1, count))
-        given = self._given(count)
+        given = parameters(device, count)
         starts = device.buffer("voxel build", size=8 * octree.depth + 4)
         with profiler.stage("bricks") as stage:
-            self._ways.run(stage, threads(count), parameters=given, **self._of_nodes(), facing=self.facing.resource,
+            self._ways.run(stage, threads(count), parameters=given, **self.of_nodes(), facing=self.facing.resource,
                            masks=masks, values=sums.values)  # fmt: skip
             self._sums.run(stage, sums, count, given)
             places = [(sums.values, first) for first, _ in octree.counts.levels]
@@ -147,32 +144,10 @@ class Bricks:
             pool.need(total)
         with profiler.stage("bricks") as stage:
             stage.encoder.clear_buffer(self.light.resource)
+            stage.encoder.clear_buffer(self.touched.resource)
             self._owners.run(stage, threads(count), parameters=given, masks=masks, values=sums.values,
                              totals=sums.totals, ways=self.ways.resource, owners=self.owners.resource)  # fmt: skip
 
-    def average_light(self, stage: Any) -> None:
-        """Light, from level 0 up."""
-        for first, count in self.levels[1:]:
-            self._average_light.run(
-                stage, threads(OWN * count), parameters=self._given(count, first), **self._of_nodes(),
-                facing=self.facing.resource, ways=self.ways.resource, owners=self.owners.resource,
-                light=self.light.resource,
-            )  # fmt: skip
-
-    def copy(self, stage: Any, unit: float = 1.0) -> None:
-        """All bricks from what nodes own. unit: of `light`, nits."""
-        count, word = self.bricks.used, int(np.float32(max(unit, _DARK)).view(np.uint32))
-        given = self._given(count, second=word)
-        own = {"ways": self.ways.resource, "owners": self.owners.resource, "light": self.light.resource}
-        self._copy.run(stage, threads(count), parameters=given, **self._of_nodes(), **own, facing=self.facing.resource,
-                       scales=self.scales.resource, bricks=self.bricks.resource)  # fmt: skip
-        self._records.run(
-            stage, threads(self.octree.counts.nodes), parameters=self._given(self.octree.counts.nodes),
-            ways=self.ways.resource, scales=self.scales.resource, nodes=self.nodes.resource,
-        )  # fmt: skip
-
-    def _given(self, count: int, first: int = 0, second: int = 0) -> Any:
-        return parameters(self.device, count, first, second)
-
-    def _of_nodes(self) -> dict[str, Any]:
+    def of_nodes(self) -> dict[str, Any]:
+        """What passes over nodes need."""
         return {"codes": self.octree.codes.resource, "directory": self.octree.directory}

@@ -7,8 +7,14 @@
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    let index = id.x + {{ row }}u * id.y;
-    if index >= parameters.count { return; }
+    let thread = id.x + {{ row }}u * id.y;
+    {% if listed %}
+    if thread >= update_count[0] { return; }
+    let index = update_list[thread];
+    {% else %}
+    if thread >= parameters.count { return; }
+    let index = thread;
+    {% endif %}
     let owner = owners[index];
     let way = owner & 7u;
     let around = around_node(codes[owner >> 3u]);

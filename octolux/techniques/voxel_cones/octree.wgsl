@@ -18,7 +18,17 @@ fn node_of(code: u32) -> u32 {
     return select(NO_NODE, entry.y + countOneBits(entry.x & (bit - 1u)), (entry.x & bit) != 0u);
 }
 
-// A node's cell and its neighbours at the upper sides: number k at (k & 1, k >> 1 & 1, k >> 2).
+// Numbers of a node's children, which stand together: the first, and how many.
+struct Children { first: u32, count: u32 }
+
+fn children_of(code: u32) -> Children {
+    let word = code >> 2u; // eight codes are a byte
+    let entry = textureLoad(directory, vec2u(word & {{ directory_row - 1 }}u, word / {{ directory_row }}u)).xy;
+    let shift = 8u * (code & 3u);
+    return Children(entry.y + countOneBits(entry.x & ((1u << shift) - 1u)), countOneBits((entry.x >> shift) & 255u));
+}
+
+// A node and its neighbours at the upper sides: number k at (k & 1, k >> 1 & 1, k >> 2).
 fn around_node(code: u32) -> array<u32, 8> {
     let log2_edge = log2_edge_of(code);
     let cell = cell_of(code);

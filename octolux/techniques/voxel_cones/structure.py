@@ -17,6 +17,7 @@ from ...raytracing.bvh import triangle_ids
 from ...raytracing.scan import PARAMETERS
 from ...simulator.grid import Grid
 from .bricks import Bricks
+from .filtering import Filtering
 from .octree import LABEL, Octree
 from .pools import OWN, ROW, WORKGROUP, Pool, parameters, threads
 from .voxeliser import CUBE, EMISSION_LAYER, LAYER, Triangles, Voxeliser
@@ -27,8 +28,8 @@ _SUMS_BYTES = 64 << 20  # of sums at a time: more voxels take more rounds
 
 
 class VoxelOctree:
-    """octree: where nodes are.  bricks: what is read of them.  voxels: texture of VOXEL.  grid: of the voxels.
-    peak: the scene's brightest emission, nits, of which voxels' emissions are shares."""
+    """octree: where nodes are.  bricks: what is read of them.  filtering: brings light into them.  voxels: texture of
+    VOXEL.  grid: of the voxels.  peak: the scene's brightest emission, nits, of which voxels' emissions are shares."""
 
     def __init__(self, device: Device, depth: int, texture_level: float = 0.0):
         self.device, self.depth = device, depth
@@ -36,6 +37,7 @@ class VoxelOctree:
         self.peak = 0.0
         self.octree = Octree(device, depth)
         self.bricks = Bricks(device, self.octree)
+        self.filtering = Filtering(device, self.bricks)
         self._voxeliser = Voxeliser(device, self.octree, texture_level)
         self.voxels = Pool("voxels", lambda count: record_texture(device, LABEL, VOXEL, count), limit=1 << 24)
         self._surfaces = {
@@ -73,7 +75,7 @@ class VoxelOctree:
             self.bricks.average(stage)
         self.bricks.number(profiler)
         with profiler.stage("edge copy") as stage:
-            self.bricks.copy(stage)
+            self.filtering.everything(stage)
 
     def _sum(self, stage: Any, scene: GpuScene, triangles: Triangles) -> None:
         """As many voxels at a time as there is room for sums."""
