@@ -7,7 +7,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from gpu_tools import random_directions, scene_of
-from voxel_tools import built, cells_of, mesh_of, random_triangles, read, sampled, shine, unit_normals
+from voxel_tools import (
+    ROUNDING,
+    built,
+    cells_of,
+    leaves_of,
+    mesh_of,
+    random_triangles,
+    read,
+    sampled,
+    shine,
+    unit_normals,
+)
 
 from octolux.gpu.device import DeviceError
 from octolux.scene.builtin.shapes import box
@@ -15,7 +26,7 @@ from octolux.scene.materials import Image, Material, Texture
 from octolux.scene.meshes import Instance
 from octolux.simulator.grid import Grid
 from octolux.simulator.tonemap import srgb_decode
-from octolux.simulator.voxels.fragments import fragments
+from octolux.simulator.voxels.fragments import dominant_axis, fragments
 from octolux.simulator.voxels.pyramid import facing_levels, intensity_levels, sample
 from octolux.simulator.voxels.surfaces import DIRECTIONS, Voxels, around, voxelise
 from octolux.techniques.voxel_cones import structure
@@ -227,6 +238,30 @@ def test_a_closed_box_is_closed(device):
                     way = 2 * axis + (1 - side if ways == 0 else side)
                     found, _ = sampled(octree, points, level, -DIRECTIONS[way])
                     np.testing.assert_allclose(found[:, 3], 1.0, atol=BYTE + 1 / 256)
+
+
+def test_points_of_surfaces_find_their_voxels(device):
+    """Light that falls on a triangle lies in the voxel that has the triangle's fragment of that column."""
+    grid, rng = grid_of(6), np.random.default_rng(14)
+    corners = random_triangles(grid, 200, 9.0, 14)
+    octree = built(device, scene_of([mesh_of(corners)]), grid)
+    weights = rng.dirichlet((1.0, 1.0, 1.0), (len(corners), 20))
+    points = np.einsum("tmw,twk->tmk", weights, corners).reshape(-1, 3)
+    triangle = np.repeat(np.arange(len(corners)), 20)
+    cells, number, some = leaves_of(octree, points, unit_normals(corners)[triangle])
+    made = fragments(corners, grid)
+    axes = dominant_axis(unit_normals(corners))
+    columns = {(t, *np.delete(v, axes[t])): v for t, v in zip(made.triangle, made.voxel, strict=True)}
+    at = grid.to_cells(points)
+    clear = (np.abs(at - np.round(at)) > ROUNDING).all(axis=1)
+    matched = 0
+    for i in np.flatnonzero(clear):
+        voxel = columns.get((triangle[i], *np.delete(np.floor(at[i]).astype(int), axes[triangle[i]])))
+        if voxel is not None:
+            assert some[i] and (cells[i] == voxel).all()
+            matched += 1
+    assert matched > 0.9 * clear.sum() > 0.9**2 * len(points)  # of the others no sample of the column is covered
+    assert len(set(number[some])) == len({tuple(c) for c in cells[some]}) and number.max() < octree.octree.counts.voxels
 
 
 def test_moved_instances_are_voxelised_where_they_are(device):

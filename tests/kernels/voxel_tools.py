@@ -18,6 +18,7 @@ from octolux.scene.meshes import Mesh
 from octolux.simulator.grid import Grid
 from octolux.simulator.voxels.fragments import fragments
 from octolux.techniques.voxel_cones.structure import VOXEL, VoxelOctree
+from octolux.techniques.voxel_cones.voxeliser import CUBE
 
 ROUNDING = 1e-4
 """Voxels by which float32 may move a surface in a grid of up to 64: coordinates have 24 bits, and a corner takes some
@@ -176,3 +177,24 @@ def sampled(octree: VoxelOctree, points: np.ndarray, level: int, towards: np.nda
         kernel.run(stage, (len(points),), given=device.buffer("given", given), result=result, **bricks.resources)
     values = read_buffer(device, result).reshape(-1, 8)[: len(points)]
     return values[:, :4].astype(np.float64), values[:, 4] == 0.0
+
+
+def leaves_of(
+    octree: VoxelOctree, points: np.ndarray, normals: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The voxels (m, 3) of level 0 in which points (m, 3) of surfaces lie, world space, normals (m, 3); the numbers of
+    their records (m,); and whether there is one, bool (m,)."""
+    device = octree.device
+    given = np.zeros((len(points), 8), np.float32)
+    given[:, :3], given[:, 4:7] = points, normals
+    result = device.buffer("result", size=16 * len(points))
+    kernel = ComputePass(
+        device, "leaves", str(TESTS / "kernels" / "voxel_leaves.wgsl"),
+        [*octree.leaf_bindings, storage("given", "vec4f"), storage_rw("result", "vec4u", "write")],
+        structs=[CUBE], workgroup=(64, 1, 1), count=len(points), **octree.leaf_values,
+    )  # fmt: skip
+    with one_stage(device) as stage:
+        kernel.run(stage, (len(points),), given=device.buffer("given", given), result=result, **octree.leaf_resources)
+    node, corner, number, some = read_buffer(device, result, np.uint32).reshape(-1, 4)[: len(points)].T.astype(np.int64)
+    cells = 2 * cells_of(octree.codes()[node]) + np.stack([corner & 1, corner >> 1 & 1, corner >> 2], axis=-1)
+    return cells, number, some == 1

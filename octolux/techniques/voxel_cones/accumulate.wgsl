@@ -1,7 +1,7 @@
 // Sums what fragments bring to their voxels (simulator/voxels/surfaces.py), in fixed point: whole numbers may be added in
 // any order. Of all voxels those from cube.first on that there is room for.
 {{ use("shaders/surface.wgsl") }}
-{{ use("techniques/voxel_cones/octree.wgsl") }}
+{{ use("techniques/voxel_cones/leaves.wgsl") }}
 {{ use("techniques/voxel_cones/fragments.wgsl") }}
 
 // What alpha leaves of a fragment. The texture's mean says how much of a mask is there, if that is all or nothing at
@@ -9,13 +9,6 @@
 fn coverage(alpha: f32, material: Material) -> f32 {
     let mask = select(0.0, alpha / max(material.alpha, 1e-6), material.alpha >= material.alpha_cutoff);
     return select(select(alpha, mask, material.alpha_mode == 1u), 1.0, material.alpha_mode == 0u);
-}
-
-fn voxel_number(voxel: vec3i) -> u32 {
-    let cell = vec3u(voxel);
-    let leaf = load_leaves(node_of(code_of({{ depth - 1 }}u, cell >> vec3u(1u))) - cube.first_leaf);
-    let corner = (cell.x & 1u) | ((cell.y & 1u) << 1u) | ((cell.z & 1u) << 2u);
-    return (leaf >> 8u) + countOneBits(leaf & ((1u << corner) - 1u));
 }
 
 fn add(place: u32, value: f32) {
@@ -59,7 +52,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let voxel = voxel_of(t, column);
         let met = covered(t, column);
         if met.samples > 0u && in_cube(voxel) {
-            let slot = voxel_number(voxel) - cube.first;
+            let slot = leaf_at(voxel).number - cube.first;
             if slot < cube.room {
                 let w = met.weights;
                 var color = vec4f(1.0);

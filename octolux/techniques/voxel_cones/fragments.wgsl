@@ -1,5 +1,6 @@
 // Voxel fragments (simulator/voxels/fragments.py): what of a column of voxels a triangle covers, and the voxel it is in.
 // A thread has a tile of a triangle's columns, so that large triangles are shared among many.
+{{ use("techniques/voxel_cones/columns.wgsl") }}
 
 // Two axes across, then the one along which the triangle is projected. Corners less `origin`; slopes: of the depth.
 struct Projected { axis: u32, origin: vec3f, e1: vec3f, e2: vec3f, normal: vec3f, slopes: vec2f }
@@ -8,16 +9,10 @@ struct Columns { first: vec2i, size: vec2u }
 // weights: of the second and third corner, in the middle of what is covered.
 struct Covered { samples: u32, weights: vec2f }
 
-fn turned(p: vec3f, axis: u32) -> vec3f { return select(select(p, p.zxy, axis == 1u), p.yzx, axis == 0u); }
-fn turned_back(p: vec3i, axis: u32) -> vec3i { return select(select(p, p.yzx, axis == 1u), p.zxy, axis == 0u); }
-
-fn to_voxels(p: vec3f) -> vec3f { return (p - cube.low) * cube.scale; }
-
 // Corners in voxels.
 fn projected(a: vec3f, b: vec3f, c: vec3f) -> Projected {
     let n = cross(b - a, c - a);
-    let size = abs(n) * vec3f(1.0, {{ 1 - bias }}, {{ 1 - 2 * bias }});
-    let axis = select(select(2u, 1u, size.y >= size.z), 0u, size.x >= max(size.y, size.z));
+    let axis = dominant_axis(n);
     let normal = turned(n, axis);
     return Projected(axis, turned(a, axis), turned(b - a, axis), turned(c - a, axis), normal, normal.xy / normal.z);
 }

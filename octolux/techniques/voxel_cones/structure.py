@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...gpu.bindings import storage, storage_rw, uniform
+from ...gpu.bindings import Binding, storage, storage_rw, uniform
 from ...gpu.device import Device
 from ...gpu.layout import Struct
 from ...gpu.passes import ComputePass
@@ -18,7 +18,7 @@ from ...raytracing.scan import PARAMETERS
 from ...simulator.grid import Grid
 from .bricks import Bricks
 from .filtering import Filtering
-from .octree import LABEL, Octree
+from .octree import LABEL, Octree, directory_binding
 from .pools import OWN, ROW, WORKGROUP, Pool, parameters, threads
 from .voxeliser import CUBE, EMISSION_LAYER, LAYER, Triangles, Voxeliser
 
@@ -30,6 +30,9 @@ _SUMS_BYTES = 64 << 20  # of sums at a time: more voxels take more rounds
 class VoxelOctree:
     """octree: where nodes are.  bricks: what is read of them.  filtering: brings light into them.  voxels: texture of
     VOXEL.  grid: of the voxels.  peak: the scene's brightest emission, nits, of which voxels' emissions are shares."""
+
+    leaf_bindings: tuple[Binding, ...] = (uniform("cube", CUBE), words("leaves"), directory_binding())
+    """With `leaf_values` and the struct CUBE, for shaders that look up voxels of level 0 (leaves.wgsl)."""
 
     def __init__(self, device: Device, depth: int, texture_level: float = 0.0):
         self.device, self.depth = device, depth
@@ -51,6 +54,13 @@ class VoxelOctree:
             for emissive in (False, True)
         }  # fmt: skip
 
+        self.leaf_values = {**self.octree.values, **self._voxeliser.values, "reads": ()}
+
+    @property
+    def leaf_resources(self) -> dict[str, Any]:
+        """What to bind to `leaf_bindings`, until the next build."""
+        return {"cube": self._cube, "leaves": self.octree.leaves.resource, "directory": self.octree.directory}
+
     def build(self, profiler: Profiler, scene: GpuScene, grid: Grid, peak: float = 0.0) -> None:
         """Build it anew for what is drawn of `scene` in the voxels of `grid`, 2^depth along each side. Inside a frame
         of `profiler`; the host waits three times.
@@ -67,6 +77,7 @@ class VoxelOctree:
         self.octree.build(profiler, occupied)
         counts = self.octree.counts
         self.voxels.need(counts.voxels)
+        self._cube = self._voxeliser.cube(grid, peak, first_leaf=counts.levels[0][0])
         self.bricks.make_room()
         with profiler.stage("voxels") as stage:
             stage.encoder.clear_buffer(self.bricks.facing.resource)
