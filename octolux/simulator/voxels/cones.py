@@ -177,13 +177,14 @@ def gather(
     geometric = normals if geometric is None else np.asarray(geometric, dtype=np.float64)
     start = np.asarray(points, dtype=np.float64) + offset * geometric
     frames, samples = basis(normals), diffuse_samples(count, depth, per_level)
-    irradiance, visible, weight = 0.0, np.zeros(len(start)), 1.0 / (count * len(phases))
+    visible, weight = np.zeros(len(start)), 1.0 / (count * len(phases))
+    irradiance: np.ndarray = np.zeros(1)
     for direction in np.concatenate([directions(count, phase) for phase in phases]):
         towards = above(frames @ direction, geometric)
         traced = trace(read, start, towards, samples, 2**depth, cover)
         radiance = traced.radiance + (traced.left[:, None] * sky(towards) if sky else 0.0)
         irradiance, visible = irradiance + pi * weight * radiance, visible + weight * traced.left
-    return np.asarray(irradiance), visible
+    return irradiance, visible
 
 
 def specular_light(
@@ -209,4 +210,5 @@ def specular_light(
         going = (travelled < reach) & (traced.left > LEFT)
         traced = _covered(traced, found, np.where(going, step, 0.0), cover)
         travelled = travelled + step * size
+    assert traced
     return towards, traced

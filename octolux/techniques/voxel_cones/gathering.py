@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import cos, sin, sqrt
+from math import cos, sqrt
 from typing import Any
 
 from ...frame.environment import SurroundingsMap
@@ -20,6 +20,7 @@ from ...simulator.grid import Grid
 from ...simulator.gtao import LEAST_WEIGHT
 from ...simulator.lpv.glossy import CONE
 from ...simulator.voxels import cones
+from ...simulator.voxels.filtering import TURNED
 
 # Where the cube of voxels lies: its lowest corner, and the edge of a voxel of level 0, metres.
 VOXELS_OF = Struct("VoxelsOf", origin="vec3f", size="f32")
@@ -64,19 +65,19 @@ class _Gathering:
         self._seen = [views_binding(), texture("surface_map", "uint"), texture("depth_map")]
         self._read = [*self._seen, uniform("voxels_of", VOXELS_OF), *voxels.bindings]
         self._structs = [VIEW, VOXELS_OF, *voxels.structs]
-        turned = 2.0 * sin(0.5 * cones.half_angle(8))
         self._filter_values: dict[str, Any] = {
-            "resolution": resolution, "least_weight": LEAST_WEIGHT, "turned": turned, **CONSTANTS,
+            "resolution": resolution, "least_weight": LEAST_WEIGHT, "turned": TURNED, **CONSTANTS,
         }  # fmt: skip
         self._values: dict[str, Any] = {
             **CONSTANTS, "voxels": voxels.file, "depth": voxels.depth, "offset": float(offset), "cover": cover,
             "left": cones.LEFT, "resolution": resolution, **voxels.values,
         }  # fmt: skip
+        self._made_for: tuple[int, int] | None = None
         self._light: Any = None
         self._place: Any = None
 
     def _textures(self, pixels: tuple[int, int], raw: bool) -> None:
-        if self._light is not None and self._made_for == pixels:
+        if self._made_for == pixels:
             return
         self._made_for = pixels
         size = tuple(-(-side // self._resolution) for side in pixels)
@@ -146,9 +147,10 @@ class DiffuseCones(_Gathering):
         self.visibility = self._texture("voxel cones", pixels, "r32float")
 
     @property
-    def raw(self) -> Any:
-        """rgba32float: irradiance and visibility of the pixels that cones were traced for, before the filter."""
-        return self._light
+    def raw(self) -> tuple[Any, Any]:
+        """Two rgba32float textures of the pixels that cones were traced for, before the filter: irradiance and
+        visibility; shading normal and depth."""
+        return self._light, self._place
 
     def gather(self, stage: Any, frame: Frame, grid: Grid, **voxels: Any) -> None:
         """Trace the cones. grid: of the voxels; voxels: what the bindings of `Voxels` name."""
