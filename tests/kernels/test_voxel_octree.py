@@ -21,6 +21,8 @@ from voxel_tools import (
 )
 
 from octolux.gpu.device import DeviceError
+from octolux.gpu_scene.gpu_scene import GpuScene
+from octolux.raytracing.bvh import triangle_ids
 from octolux.scene.builtin.shapes import box
 from octolux.scene.materials import Image, Material, Texture
 from octolux.scene.meshes import Instance
@@ -319,6 +321,19 @@ def test_masks_count_for_what_they_leave(device):
     gone = replace(mask, base_color_texture=None, alpha=0.3)
     found = read(built(device, scene_of([mesh_of(corners)], [gone]), grid))
     assert found.touched[4, 8:24, 8:24].all() and not found.facing.any()
+
+
+def test_what_moves_beside_what_is_static(device):
+    """Two octrees of a scene's parts hold together what one of the whole does."""
+    grid = grid_of(5)
+    scene, expected = random_scene(grid, 200, 5.0, 15)
+    gpu_scene = GpuScene(device)
+    gpu_scene.sync(scene)
+    ids = triangle_ids(gpu_scene)
+    parts = [read(built(device, scene, grid, ids=some)) for some in (ids[::2], ids[1::2])]
+    np.testing.assert_array_equal(parts[0].touched | parts[1].touched, expected.touched)
+    both = np.minimum(parts[0].facing + parts[1].facing, 1.0)
+    np.testing.assert_allclose(both, expected.facing, atol=2 * BYTE + 30 / 8192)
 
 
 def test_pools_grow_and_say_how_full_they_are(device):

@@ -61,9 +61,12 @@ class VoxelOctree:
         """What to bind to `leaf_bindings`, until the next build."""
         return {"cube": self._cube, "leaves": self.octree.leaves.resource, "directory": self.octree.directory}
 
-    def build(self, profiler: Profiler, scene: GpuScene, grid: Grid, peak: float = 0.0) -> None:
-        """Build it anew for what is drawn of `scene` in the voxels of `grid`, 2^depth along each side. Inside a frame
-        of `profiler`; the host waits three times.
+    def build(
+        self, profiler: Profiler, scene: GpuScene, grid: Grid, peak: float = 0.0, ids: np.ndarray | None = None
+    ) -> None:
+        """Build it anew in the voxels of `grid`, 2^depth along each side. Inside a frame of `profiler`; the host waits
+        three times. ids: uint32, which triangles (`triangle_ids`), by default all that is drawn of `scene`: so what
+        moves can have an octree of its own (VCT 5.7), which is made anew beside that of what is static.
 
         Raises DeviceError when the scene needs more nodes than there can be, ValueError for another grid.
         """
@@ -71,7 +74,7 @@ class VoxelOctree:
             raise ValueError(f"an octree of depth {self.depth} has {1 << self.depth} voxels a side, not {grid.n}")
         self.grid, self.peak = grid, peak
         cube, occupied = self._voxeliser.cube(grid, peak), self.octree.occupied()
-        triangles = self._voxeliser.triangles(profiler, scene, triangle_ids(scene), cube)
+        triangles = self._voxeliser.triangles(profiler, scene, triangle_ids(scene) if ids is None else ids, cube)
         with profiler.stage("fragments") as stage:
             self._voxeliser.mark(stage, scene, triangles, cube, occupied)
         self.octree.build(profiler, occupied)
