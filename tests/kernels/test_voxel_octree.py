@@ -33,6 +33,7 @@ from octolux.simulator.voxels.pyramid import facing_levels, intensity_levels, sa
 from octolux.simulator.voxels.surfaces import DIRECTIONS, Voxels, around, voxelise
 from octolux.techniques.voxel_cones import structure
 from octolux.techniques.voxel_cones.pools import Pool
+from octolux.techniques.voxel_cones.reading import Reading
 from octolux.techniques.voxel_cones.structure import VoxelOctree
 
 RED, GREEN = (0.8, 0.1, 0.05), (0.1, 0.6, 0.3)
@@ -324,16 +325,30 @@ def test_masks_count_for_what_they_leave(device):
 
 
 def test_what_moves_beside_what_is_static(device):
-    """Two octrees of a scene's parts hold together what one of the whole does."""
-    grid = grid_of(5)
+    """Two octrees of a scene's parts hold together what one of the whole does, and are read together."""
+    grid, rng = grid_of(5), np.random.default_rng(16)
     scene, expected = random_scene(grid, 200, 5.0, 15)
     gpu_scene = GpuScene(device)
     gpu_scene.sync(scene)
     ids = triangle_ids(gpu_scene)
-    parts = [read(built(device, scene, grid, ids=some)) for some in (ids[::2], ids[1::2])]
+    octrees = tuple(built(device, scene, grid, ids=some) for some in (ids[::2], ids[1::2]))
+    parts = [read(octree) for octree in octrees]
     np.testing.assert_array_equal(parts[0].touched | parts[1].touched, expected.touched)
     both = np.minimum(parts[0].facing + parts[1].facing, 1.0)
     np.testing.assert_allclose(both, expected.facing, atol=2 * BYTE + 30 / 8192)
+    points, towards = near_and_far(expected, rng)
+    for octree, strength in zip(octrees, (3.0, 7.0), strict=True):
+        shine(octree, strength * read(octree).facing[..., None] * np.ones(3), unit=8.0)
+    for level in range(5):
+        apart = [sampled(octree, points, level, towards) for octree in octrees]
+        values, some = sampled(octrees, points, level, towards)
+        np.testing.assert_allclose(values, apart[0][0] + apart[1][0], atol=1e-5)
+        np.testing.assert_array_equal(some, apart[0][1] | apart[1][1])
+
+
+def test_octrees_of_other_depths_are_not_read_together(device):
+    with pytest.raises(ValueError, match=r"two octrees of one depth are read together, not 2 of \[4, 5\]"):
+        Reading(device, *(VoxelOctree(device, depth).bricks for depth in (4, 5)))
 
 
 def test_pools_grow_and_say_how_full_they_are(device):

@@ -17,9 +17,11 @@ from octolux.gpu_scene.gpu_scene import GpuScene
 from octolux.scene.meshes import Mesh
 from octolux.simulator.grid import Grid
 from octolux.simulator.voxels.fragments import fragments
+from octolux.techniques.voxel_cones.reading import Reading
 from octolux.techniques.voxel_cones.structure import VOXEL, VoxelOctree
 from octolux.techniques.voxel_cones.voxeliser import CUBE
 
+Octrees = VoxelOctree | tuple[VoxelOctree, VoxelOctree]
 ROUNDING = 1e-4
 """Voxels by which float32 may move a surface in a grid of up to 64: coordinates have 24 bits, and a corner takes some
 ten operations, 64 * 2^-24 * 10 = 4e-5."""
@@ -161,20 +163,21 @@ def cells_of(codes: np.ndarray) -> np.ndarray:
     return cells
 
 
-def sampled(octree: VoxelOctree, points: np.ndarray, level: int, towards: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def sampled(octrees: Octrees, points: np.ndarray, level: int, towards: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """`sample_voxels` at points (m, 3) in voxels of level 0, on a level, along unit vectors (m, 3) or (3,): radiance
     times opacity and opacity, (m, 4); and whether there is a node, bool (m,)."""
-    device, bricks = octree.device, octree.bricks
+    both = octrees if isinstance(octrees, tuple) else (octrees,)
+    device, reading = both[0].device, Reading(both[0].device, *(octree.bricks for octree in both))
     given = np.zeros((len(points), 8), np.float32)
     given[:, :3], given[:, 3], given[:, 4:7] = points, level, towards
     result = device.buffer("result", size=32 * len(points))
     kernel = ComputePass(
         device, "bricks", str(TESTS / "kernels" / "voxel_bricks.wgsl"),
-        [*bricks.bindings, storage("given", "vec4f"), storage_rw("result", "vec4f", "write")],
-        structs=bricks.structs, workgroup=(64, 1, 1), count=len(points), file=bricks.file, **bricks.values,
+        [*reading.bindings, storage("given", "vec4f"), storage_rw("result", "vec4f", "write")],
+        structs=reading.structs, workgroup=(64, 1, 1), count=len(points), file=reading.file, **reading.values,
     )  # fmt: skip
     with one_stage(device) as stage:
-        kernel.run(stage, (len(points),), given=device.buffer("given", given), result=result, **bricks.resources)
+        kernel.run(stage, (len(points),), given=device.buffer("given", given), result=result, **reading.resources)
     values = read_buffer(device, result).reshape(-1, 8)[: len(points)]
     return values[:, :4].astype(np.float64), values[:, 4] == 0.0
 

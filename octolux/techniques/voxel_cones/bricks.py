@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 
 from ...frame.frame import COPY, STORAGE, TEXTURE
-from ...gpu.bindings import Binding, sampler, storage, storage_rw, texture, uniform
+from ...gpu.bindings import storage, storage_rw, uniform
 from ...gpu.device import Device
 from ...gpu.layout import Struct
 from ...gpu.limits import DEFAULT_LIMITS
 from ...gpu.passes import ComputePass
 from ...gpu.profiler import Profiler
-from ...gpu.records import record_texture, sampled_records
+from ...gpu.records import record_texture
 from ...raytracing.scan import BLOCK, PARAMETERS, PrefixSum
 from .octree import LABEL, Octree, directory_binding
 from .pools import OWN, ROW, WORKGROUP, Pool, parameters, threads
@@ -47,21 +47,11 @@ class Bricks:
     that each brick's node owns, what they send its way, radiance times share of section, as a share of a unit
     (bright.wgsl).  touched: u32 of each node, not 0 where its light is to be made anew.  levels: first
     and number of bricks of each level, from level 0.
-
-    `file`, `bindings`, `structs`, `values` and `resources` are for shaders that read them by `sample_voxels` and
-    `is_empty` (octree.wgsl).
     """
-
-    file = "techniques/voxel_cones/octree.wgsl"
-    bindings: tuple[Binding, ...] = (
-        directory_binding(), sampled_records("nodes", NODE), texture("bricks", "float", "3d"), sampler("brick_sampler"),
-    )  # fmt: skip
-    structs = (NODE,)
 
     def __init__(self, device: Device, octree: Octree):
         self.device, self.octree = device, octree
         octree.values.update(bricks_row=BRICKS_ROW)
-        self.values = {**octree.values, "reads": ["nodes"]}
         self.levels: tuple[tuple[int, int], ...] = ((0, 0),) * octree.depth
 
         def words(count: int) -> Any:
@@ -76,10 +66,9 @@ class Bricks:
         self.owners, self.scales = Pool("bricks", words, limit=most), Pool("bricks", words, limit=most)
         self.light = Pool("bricks", lambda count: device.buffer(LABEL, size=4 * OWN * count), limit=most)
         self.bricks = Pool("bricks", lambda count: brick_texture(device, count), limit=most)
-        self._sampler = device.wgpu.create_sampler(mag_filter="linear", min_filter="linear")
         self._sums = PrefixSum(device, "u32")
         self.pass_values: dict[str, Any] = {
-            "structs": [PARAMETERS, NODE], "workgroup": WORKGROUP, "row": ROW, "block": BLOCK, "reads": (),
+            "structs": [PARAMETERS, NODE], "workgroup": WORKGROUP, "row": ROW, "block": BLOCK,
             "borrowed": _borrowed(), **octree.values,
         }  # fmt: skip
         self._make_passes()
@@ -100,14 +89,6 @@ class Bricks:
         self._owners = ComputePass(
             self.device, "owners", f"{folder}/owners.wgsl", [PARAMETERS_OF, *sums, out["ways"], out["owners"]], **fixed
         )
-
-    @property
-    def resources(self) -> dict[str, Any]:
-        """What to bind to `bindings`."""
-        return {
-            "directory": self.octree.directory, "nodes": self.nodes.resource, "bricks": self.bricks.resource,
-            "brick_sampler": self._sampler,
-        }  # fmt: skip
 
     def make_room(self) -> None:
         """For the nodes of the octree; nothing faces any way."""

@@ -56,7 +56,9 @@ class Octree:
     def __init__(self, device: Device, depth: int):
         self.device, self.depth = device, depth
         self.counts = Counts(((0, 0),) * depth, 0, 0)
-        self.values: dict[str, Any] = {"depth": depth, "directory_row": DIRECTORY_ROW}
+        self.values: dict[str, Any] = {
+            "depth": depth, "directory_row": DIRECTORY_ROW, "reads": (), "parts": ("",),
+        }  # fmt: skip
         self.words = max(4, 2 * 8 ** (depth - 1) // 32)  # of all cells
         rows = -(-self.words // DIRECTORY_ROW)
         self.directory = device.texture(LABEL, (DIRECTORY_ROW, rows), "rg32uint", usage=STORAGE | COPY)

@@ -11,12 +11,14 @@
 
 const NO_NODE = 0xffffffffu;
 
-fn node_of(code: u32) -> u32 {
+{% for part in parts %}
+fn {{ part }}node_of(code: u32) -> u32 {
     let word = code >> 5u;
-    let entry = textureLoad(directory, vec2u(word & {{ directory_row - 1 }}u, word / {{ directory_row }}u)).xy;
+    let entry = textureLoad({{ part }}directory, vec2u(word & {{ directory_row - 1 }}u, word / {{ directory_row }}u)).xy;
     let bit = 1u << (code & 31u);
     return select(NO_NODE, entry.y + countOneBits(entry.x & (bit - 1u)), (entry.x & bit) != 0u);
 }
+{% endfor %}
 
 // Numbers of a node's children, which stand together: the first, and how many.
 struct Children { first: u32, count: u32 }
@@ -82,33 +84,43 @@ fn place_at(position: vec3f, level: u32) -> Place {
 }
 
 // Whether there is nothing around a position on this level, and so on finer ones.
-fn is_empty(position: vec3f, level: u32) -> bool { return node_of(place_at(position, level).code) == NO_NODE; }
+fn is_empty(position: vec3f, level: u32) -> bool {
+    let code = place_at(position, level).code;
+    return {% for part in parts %}{{ " && " if not loop.first }}{{ part }}node_of(code) == NO_NODE{% endfor %};
+}
 
-// What one way sends, and what faces there; way: one of two, for the component of a direction.
-fn read_way(node: Node, way: u32, scales: u32, within: vec3f) -> vec4f {
-    let packed = (node.first << 6u) | node.ways;
-    let brick = brick_of_way(packed, way);
-    let texel = (vec3f(brick_texel(select(brick, 0u, brick == NO_NODE))) + within) / vec3f(textureDimensions(bricks));
-    let found = textureSampleLevel(bricks, brick_sampler, texel, 0.0);
+{% for part in parts %}
+// What one way sends, and what faces there.
+fn {{ part }}read_way(node: Node, way: u32, scales: u32, within: vec3f) -> vec4f {
+    let brick = brick_of_way((node.first << 6u) | node.ways, way);
+    let texel = vec3f(brick_texel(select(brick, 0u, brick == NO_NODE))) + within;
+    let found = textureSampleLevel({{ part }}bricks, brick_sampler, texel / vec3f(textureDimensions({{ part }}bricks)), 0.0);
     let scale = scale_of((scales >> (8u * (way >> 1u))) & 255u);
     return select(vec4f(scale * found.rgb, found.a), vec4f(0.0), brick == NO_NODE);
 }
 
-// What is met around a position on a way along the unit vector `direction` as long as an edge of the level's voxels:
-// radiance times opacity, and opacity. It crosses |d| of the sections across each axis, of what looks against it.
-fn sample_voxels(position: vec3f, level: u32, direction: vec3f) -> vec4f {
-    let place = place_at(position, level);
-    let number = node_of(place.code);
+fn {{ part }}sample_place(place: Place, direction: vec3f) -> vec4f {
+    let number = {{ part }}node_of(place.code);
     if number == NO_NODE { return vec4f(0.0); }
-    let node = load_nodes(number);
+    let node = load_{{ part }}nodes(number);
     var sum = vec4f(0.0);
     {% for axis in "xyz" %}
     {
         let up = direction.{{ axis }} < 0.0;
         let way = {{ 2 * loop.index0 }}u + select(1u, 0u, up);
-        sum += abs(direction.{{ axis }}) * read_way(node, way, select(node.scales_down, node.scales_up, up), place.within);
+        let scales = select(node.scales_down, node.scales_up, up);
+        sum += abs(direction.{{ axis }}) * {{ part }}read_way(node, way, scales, place.within);
     }
     {% endfor %}
     return sum;
+}
+{% endfor %}
+
+// What is met around a position on a way along the unit vector `direction` as long as an edge of the level's voxels:
+// radiance times opacity, and opacity. It crosses |d| of the sections across each axis, of what looks against it. What
+// moves, in an octree of its own, is there beside what is static.
+fn sample_voxels(position: vec3f, level: u32, direction: vec3f) -> vec4f {
+    let place = place_at(position, level);
+    return {% for part in parts %}{{ " + " if not loop.first }}{{ part }}sample_place(place, direction){% endfor %};
 }
 {% endif %}

@@ -54,7 +54,7 @@ class VoxelOctree:
             for emissive in (False, True)
         }  # fmt: skip
 
-        self.leaf_values = {**self.octree.values, **self._voxeliser.values, "reads": ()}
+        self.leaf_values = {**self.octree.values, **self._voxeliser.values}
 
     @property
     def leaf_resources(self) -> dict[str, Any]:

@@ -139,7 +139,7 @@ class Voxeliser:
         return ComputePass(
             self.device, "fragment values", "techniques/voxel_cones/accumulate.wgsl", bindings,
             structs=[PARAMETERS, CUBE, VIEW], shared=scene.bindings, workgroup=WORKGROUP, starts=True,
-            reads=(), layer=float(LAYER), words=self.words_of(scene.has_emission), texture_scale=self._texture_scale,
+            layer=float(LAYER), words=self.words_of(scene.has_emission), texture_scale=self._texture_scale,
             **values,
         )  # fmt: skip
 
