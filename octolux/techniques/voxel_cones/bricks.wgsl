@@ -23,7 +23,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let brick_{{ o }} = brick_there(around[{{ o }}], way);
     let some_{{ o }} = brick_{{ o }} != NO_NODE;
     let lit_{{ o }} = 8u * select(0u, brick_{{ o }}, some_{{ o }});
-    let node_{{ o }} = 8u * select(0u, around[{{ o }}], some_{{ o }});
+    let node_{{ o }} = 16u * select(0u, around[{{ o }}], some_{{ o }}) + (way & 1u);
     {% for corner in borrowed[o] %}
     let light_{{ o }}_{{ corner }} = select(vec3f(0.0), unpack_bright(light[lit_{{ o }} + {{ corner }}u]), some_{{ o }});
     brightest = max(brightest, light_{{ o }}_{{ corner }});
@@ -37,7 +37,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     {% for o in range(8) %}
     {% for corner in borrowed[o] %}
     {
-        let share = select(0.0, share_of_way(facing[node_{{ o }} + {{ corner }}u], way), some_{{ o }});
+        let share = select(0.0, share_of(facing[node_{{ o }} + {{ 2 * corner }}u], way >> 1u), some_{{ o }});
         let offset = vec3u({{ corner % 2 + 2 * (o % 2) }}u, {{ corner // 2 % 2 + 2 * (o // 2 % 2) }}u, {{ corner // 4 + 2 * (o // 4) }}u);
         textureStore(bricks, texel + offset, vec4f(over * light_{{ o }}_{{ corner }}, share));
     }

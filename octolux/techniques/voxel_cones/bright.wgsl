@@ -9,5 +9,5 @@ fn pack_bright(color: vec3f) -> u32 {
 
 fn unpack_bright(packed: u32) -> vec3f {
     let codes = vec3u(packed, packed >> 9u, packed >> 18u) & vec3u(511u);
-    return vec3f(codes) * exp2(f32(packed >> 27u) - 40.0);
+    return vec3f(codes) * bitcast<f32>(((packed >> 27u) + 87u) << 23u); // 2^(code - 40): 87 is 127 - 40
 }

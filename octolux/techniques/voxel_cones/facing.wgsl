@@ -12,6 +12,8 @@ fn unpack_shares(packed: u32) -> vec3f {
 
 // The share that faces one of simulator/voxels/surfaces.DIRECTIONS.
 fn share_of_way(packed: vec2u, way: u32) -> f32 {
-    let word = select(packed.y, packed.x, (way & 1u) == 0u);
-    return f32((word >> (10u * (way >> 1u))) & 1023u) / 1023.0;
+    return share_of(select(packed.y, packed.x, (way & 1u) == 0u), way >> 1u);
 }
+
+// The share across an axis, of one of the two words.
+fn share_of(word: u32, axis: u32) -> f32 { return f32((word >> (10u * axis)) & 1023u) * {{ 1 / 1023 }}; }

@@ -35,7 +35,7 @@ class Filtering:
         touched, count = storage("touched", "u32"), storage("update_count", "u32")
         brick_out = [storage_rw("scales", "u32", "write"), storage_texture("bricks", "rgba8unorm", "3d")]
         light_out = [*nodes, facing, ways, owners, storage_rw("light", "u32")]
-        copied = [*nodes, facing, ways, owners, light, *brick_out]
+        copied = [*nodes, storage("facing", "u32"), ways, owners, light, *brick_out]  # one word of the two
         self._average = self._made("average_light", light_out, listed=False)
         self._average_touched = self._made("average_light", [*light_out, touched], listed=True)
         self._copy = self._made("bricks", copied, listed=False)
