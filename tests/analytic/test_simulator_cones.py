@@ -112,7 +112,7 @@ def test_no_sky_in_a_closed_box(count):
 
 
 def test_few_wide_cones_see_past_the_edges_of_a_box():
-    """Whose coarse voxels are half empty: four cones are as wide as far, and lose more there; as much on the average."""
+    """Whose coarse voxels are half empty: four cones are as wide as they are far, and lose more there."""
     _, visible = light(room(), on_floor(40), count=4)
     assert visible.mean() <= 0.05
     assert visible.max() <= 0.15

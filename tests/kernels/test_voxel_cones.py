@@ -80,10 +80,14 @@ def traced(device, made: DiffuseCones) -> np.ndarray:
     return device.read_texture(made.raw[0], np.float32, 4).astype(np.float64)
 
 
-@pytest.mark.parametrize(("count", "per_level", "cover"), [(8, 1, "surfaces"), (5, 2, "medium"), (16, 1, "surfaces")])
-def test_diffuse_as_the_simulator(device, count, per_level, cover):
+@pytest.mark.parametrize(
+    ("count", "per_level", "width", "cover"),
+    [(8, 2, 1.0, "surfaces"), (5, 3, 0.5, "medium"), (16, 1, 1.0, "surfaces")],
+)
+def test_diffuse_as_the_simulator(device, count, per_level, width, cover):
     """Each cone's samples add up to a share of at most 1, and what they are off by does, too."""
-    found = traced(device, DiffuseCones(device, voxels(), count=count, per_level=per_level, cover=cover))
+    options = {"count": count, "per_level": per_level, "width": width, "cover": cover}
+    found = traced(device, DiffuseCones(device, voxels(), **options))
     at = start(device)
     rows, columns = np.nonzero(at.inside)
     phase = columns % 4 + 4 * (rows % 4)
@@ -91,8 +95,7 @@ def test_diffuse_as_the_simulator(device, count, per_level, cover):
     for i in range(PHASES):
         r = (rows[phase == i], columns[phase == i])
         light, visible = gather(
-            scene(), DEPTH, at.points[r], at.s.normals[r], at.s.geometric[r], count=count, phases=[i],
-            per_level=per_level, cover=cover,
+            scene(), DEPTH, at.points[r], at.s.normals[r], at.s.geometric[r], phases=[i], **options,
         )  # fmt: skip
         assert np.abs(found[r][:, :3] - light).max() <= 4.0 * WEIGHT * pi * BRIGHTEST
         assert np.abs(found[r][:, 3] - visible).max() <= 4.0 * WEIGHT
@@ -189,7 +192,9 @@ def test_the_same_bits_again(device):
     assert np.array_equal(first, again)
 
 
-@pytest.mark.parametrize("wrong", [{"count": 3}, {"resolution": 3}, {"cover": "walls"}, {"offset": -1.0}])
+@pytest.mark.parametrize(
+    "wrong", [{"count": 3}, {"resolution": 3}, {"width": 0.0}, {"per_level": 5}, {"cover": "walls"}, {"offset": -1.0}]
+)
 def test_wrong_values(device, wrong):
     with pytest.raises(OctoluxError, match=r"not"):
         DiffuseCones(device, voxels(), **wrong)

@@ -74,28 +74,33 @@ class Sample(NamedTuple):
     step: float
 
 
-def near_samples(count: int) -> list[Sample]:
+def first_distance(count: int, width: float) -> float:
+    """Voxels of level 0 from a cone's start to where they are as large as it wants."""
+    return 1.0 / (width * SIZE * 2.0 * tan(half_angle(count)))
+
+
+def near_samples(count: int, width: float = 1.0) -> list[Sample]:
     """The first samples of each of `count` cones: adjacent, of level 0, up to where its voxels are as large as the cone
-    wants."""
-    first = 1.0 / (SIZE * 2.0 * tan(half_angle(count)))
+    wants. width: of what is read, over what blurs as much as the cone does."""
+    first = first_distance(count, width)
     near = ceil(first - 0.5)
     return [Sample((i + 0.5) * first / near, 0, first / near) for i in range(near)]
 
 
-def first_level_samples(count: int, per_level: int) -> list[Sample]:
+def first_level_samples(count: int, per_level: int, width: float = 1.0) -> list[Sample]:
     """Those after them, `per_level` up to where the cone wants voxels twice as large; on each further level they are
     twice as far away. Each stands for the way to the next."""
-    first = 1.0 / (SIZE * 2.0 * tan(half_angle(count)))
+    first = first_distance(count, width)
     return [Sample(first * (1.0 + i / per_level), 0, first / per_level) for i in range(per_level)]
 
 
-def diffuse_samples(count: int, depth: int, per_level: int = 2) -> list[Sample]:
+def diffuse_samples(count: int, depth: int, per_level: int = 2, width: float = 1.0) -> list[Sample]:
     """Of each of `count` cones through (2^depth)^3 voxels, whose coarsest level has 2^3: so that voxels match the cone
     (VCT 5.6), as far as the cube reaches."""
-    found, level = near_samples(count), 0
+    found, level = near_samples(count, width), 0
     while found[-1].distance < sqrt(3.0) * 2**depth:
         size, top = 2.0**level, min(level, depth - 1)
-        own = first_level_samples(count, per_level)
+        own = first_level_samples(count, per_level, width)
         found += [Sample(s.distance * size, top, s.step * size / 2.0**top) for s in own]
         level += 1
     return found
@@ -165,18 +170,18 @@ def above(towards, geometric) -> np.ndarray:
 
 def gather(
     read: Read, depth: int, points, normals, geometric=None, *, count: int = 8, phases: Sequence[int] = range(PHASES),
-    per_level: int = 2, offset: float = 1.0, cover: str = "surfaces", sky: Callable | None = None,
+    per_level: int = 2, width: float = 1.0, offset: float = 1.0, cover: str = "surfaces", sky: Callable | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Irradiance (m, k), radiance's unit times sr, and ambient visibility (m,) at points (m, 3) in voxels.
 
     normals, geometric: unit (m, 3), of the shading and, where they differ, of the surface.  phases: whose mean is
-    taken.  per_level: samples of a cone.  offset: voxels along the surface's normal from which cones start.  sky:
-    radiance (m, k) of unit directions (m, 3), of what is left of cones.
+    taken.  per_level, width: as in `first_level_samples`, `near_samples`.  offset: voxels along the surface's normal
+    from which cones start.  sky: radiance (m, k) of unit directions (m, 3), of what is left of cones.
     """
     normals = np.asarray(normals, dtype=np.float64)
     geometric = normals if geometric is None else np.asarray(geometric, dtype=np.float64)
     start = np.asarray(points, dtype=np.float64) + offset * geometric
-    frames, samples = basis(normals), diffuse_samples(count, depth, per_level)
+    frames, samples = basis(normals), diffuse_samples(count, depth, per_level, width)
     visible, weight = np.zeros(len(start)), 1.0 / (count * len(phases))
     irradiance: np.ndarray = np.zeros(1)
     for direction in np.concatenate([directions(count, phase) for phase in phases]):

@@ -104,20 +104,24 @@ def _seen_by(frame: Frame) -> dict[str, Any]:
 class DiffuseCones(_Gathering):
     """Irradiance and ambient visibility of every pixel.
 
-    count: of cones, 4 to 16.  per_level: samples of a cone for each level, 1 to 3.  sky: for what cones do not meet
-    anything they take light of the surroundings. Otherwise as `_Gathering`.
+    count: of cones, 4 to 16.  per_level: samples of a cone for each level, 1 to 4.  width: of the voxels that are read,
+    over those that blur as much as a cone does, 0.25 to 2: smaller ones see finer, and need more samples a level.  sky:
+    what is left of cones that meet nothing sees the surroundings. Otherwise as `_Gathering`.
 
     irradiance: rgba32float, lux of a picture's pixel, alpha 1, as light past occluders is counted already.
     visibility: r32float, the share of each pixel's cones that meets nothing.
     """
 
     def __init__(
-        self, device: Device, voxels: Voxels, *, count: int = 8, per_level: int = 2, resolution: int = 1,
-        offset: float = 1.0, cover: str = "surfaces", sky: bool = False,
+        self, device: Device, voxels: Voxels, *, count: int = 8, per_level: int = 2, width: float = 1.0,
+        resolution: int = 1, offset: float = 1.0, cover: str = "surfaces", sky: bool = False,
     ):  # fmt: skip
         super().__init__(device, voxels, resolution, offset, cover)
-        if not 4 <= count <= 16 or per_level not in (1, 2, 3):
-            raise OctoluxError(f"There are 4 to 16 cones of 1 to 3 samples a level, not {count} of {per_level}.")
+        if not 4 <= count <= 16 or not 1 <= per_level <= 4 or not 0.25 <= width <= 2.0:
+            raise OctoluxError(
+                "There are 4 to 16 cones of 1 to 4 samples a level and a width of 0.25 to 2, "
+                f"not {count} of {per_level} and {width}."
+            )
         self._sky = sky
         # Half vectors of a GGX lobe of width alpha reflect it into 4 pi alpha^2, a cone has 2 pi (1 - cos).
         sky_alpha = sqrt(0.5 * (1.0 - cos(cones.half_angle(count))))
@@ -125,9 +129,9 @@ class DiffuseCones(_Gathering):
         self._gather = ComputePass(
             device, "diffuse cones", "techniques/voxel_cones/diffuse.wgsl",
             [*self._read, *(SurroundingsMap.bindings() if sky else []), *out],
-            structs=[*self._structs, *([ENVIRONMENT] if sky else [])], cones=count, near=cones.near_samples(count),
-            first_level=cones.first_level_samples(count, per_level), phases=cones.PHASES, cone_turn=cones.CONE_TURN,
-            phase_turn=cones.PHASE_TURN, sky=sky, sky_alpha=sky_alpha, **self._values,
+            structs=[*self._structs, *([ENVIRONMENT] if sky else [])], cones=count,
+            near=cones.near_samples(count, width), first_level=cones.first_level_samples(count, per_level, width),
+            phases=cones.PHASES, cone_turn=cones.CONE_TURN, phase_turn=cones.PHASE_TURN, sky=sky, sky_alpha=sky_alpha, **self._values,
         )  # fmt: skip
         raw = [storage_texture(name, "rgba32float", access="read") for name in ("light_map", "place_map")]
         results = [storage_texture("irradiance_out", "rgba32float"), storage_texture("visibility_out", "r32float")]
