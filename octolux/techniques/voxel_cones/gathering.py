@@ -131,7 +131,8 @@ class DiffuseCones(_Gathering):
             [*self._read, *(SurroundingsMap.bindings() if sky else []), *out],
             structs=[*self._structs, *([ENVIRONMENT] if sky else [])], cones=count,
             near=cones.near_samples(count, width), first_level=cones.first_level_samples(count, per_level, width),
-            phases=cones.PHASES, cone_turn=cones.CONE_TURN, phase_turn=cones.PHASE_TURN, sky=sky, sky_alpha=sky_alpha, **self._values,
+            phases=cones.PHASES, cone_turn=cones.CONE_TURN, phase_turn=cones.PHASE_TURN, sky=sky,
+            sky_alpha=sky_alpha, **self._values,
         )  # fmt: skip
         raw = [storage_texture(name, "rgba32float", access="read") for name in ("light_map", "place_map")]
         results = [storage_texture("irradiance_out", "rgba32float"), storage_texture("visibility_out", "r32float")]
