@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...frame.frame import COPY, STORAGE
+from ...frame.frame import COPY, STORAGE, TEXTURE
 from ...gpu.bindings import atomic_words, storage, storage_rw, storage_texture, uniform
 from ...gpu.device import Device
 from ...gpu.passes import ComputePass
@@ -61,7 +61,7 @@ class Octree:
         }  # fmt: skip
         self.words = max(4, 2 * 8 ** (depth - 1) // 32)  # of all cells
         rows = -(-self.words // DIRECTORY_ROW)
-        self.directory = device.texture(LABEL, (DIRECTORY_ROW, rows), "rg32uint", usage=STORAGE | COPY)
+        self.directory = device.texture(LABEL, (DIRECTORY_ROW, rows), "rg32uint", usage=STORAGE | TEXTURE | COPY)
         self.codes = Pool("nodes", lambda count: device.buffer(LABEL, size=4 * count), limit=1 << 25)
         self.leaves = Pool("leaves", lambda count: word_texture(device, LABEL, count), limit=1 << 24)
         self._sums = PrefixSum(device, "u32")

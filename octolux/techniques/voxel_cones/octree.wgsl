@@ -14,7 +14,7 @@ const NO_NODE = 0xffffffffu;
 {% for part in parts %}
 fn {{ part }}node_of(code: u32) -> u32 {
     let word = code >> 5u;
-    let entry = textureLoad({{ part }}directory, vec2u(word & {{ directory_row - 1 }}u, word / {{ directory_row }}u)).xy;
+    let entry = textureLoad({{ part }}directory, vec2u(word & {{ directory_row - 1 }}u, word / {{ directory_row }}u){{ ", 0" if part }}).xy;
     let bit = 1u << (code & 31u);
     return select(NO_NODE, entry.y + countOneBits(entry.x & (bit - 1u)), (entry.x & bit) != 0u);
 }
@@ -62,13 +62,13 @@ fn brick_texel(brick: u32) -> vec3u {
     return 3u * vec3u(brick & {{ bricks_row - 1 }}u, brick / {{ bricks_row }}u % {{ bricks_row }}u, brick / {{ bricks_row**2 }}u);
 }
 
-// Scales go in quarters of powers of two, from 2^-32 to 2^31; code 0 is for none, whose texels are dark.
+// Scales are the first bits of floats, exponent and two of the mantissa, from 2^-32 (code 0) to below 2^32.
 fn scale_code(brightest: f32) -> u32 {
-    let code = clamp(i32(ceil(4.0 * log2(max(brightest, 1e-30)) + 0.01)) + 128, 1, 255);
-    return select(0u, u32(code), brightest > 0.0);
+    let rounded_up = i32((bitcast<u32>(brightest) + 0x1fffffu) >> 21u);
+    return u32(clamp(rounded_up - 380, 0, 255)); // 380 is 4 (127 - 32)
 }
 
-fn scale_of(code: u32) -> f32 { return exp2(0.25 * (f32(code) - 128.0)); }
+fn scale_of(code: u32) -> f32 { return bitcast<f32>((code + 380u) << 21u); }
 
 {% if "nodes" in reads %}
 // position: in voxels of level 0 from the cube's corner, inside it. Of a level the cell of 2^3 voxels' edges around it,
@@ -91,10 +91,10 @@ fn is_empty(position: vec3f, level: u32) -> bool {
 
 {% for part in parts %}
 // What one way sends, and what faces there.
-fn {{ part }}read_way(node: Node, way: u32, scales: u32, within: vec3f) -> vec4f {
+fn {{ part }}read_way(node: Node, way: u32, scales: u32, within: vec3f, over: vec3f) -> vec4f {
     let brick = brick_of_way((node.first << 6u) | node.ways, way);
     let texel = vec3f(brick_texel(select(brick, 0u, brick == NO_NODE))) + within;
-    let found = textureSampleLevel({{ part }}bricks, brick_sampler, texel / vec3f(textureDimensions({{ part }}bricks)), 0.0);
+    let found = textureSampleLevel({{ part }}bricks, brick_sampler, over * texel, 0.0);
     let scale = scale_of((scales >> (8u * (way >> 1u))) & 255u);
     return select(vec4f(scale * found.rgb, found.a), vec4f(0.0), brick == NO_NODE);
 }
@@ -103,13 +103,14 @@ fn {{ part }}sample_place(place: Place, direction: vec3f) -> vec4f {
     let number = {{ part }}node_of(place.code);
     if number == NO_NODE { return vec4f(0.0); }
     let node = load_{{ part }}nodes(number);
+    let over = 1.0 / vec3f(textureDimensions({{ part }}bricks));
     var sum = vec4f(0.0);
     {% for axis in "xyz" %}
     {
         let up = direction.{{ axis }} < 0.0;
         let way = {{ 2 * loop.index0 }}u + select(1u, 0u, up);
         let scales = select(node.scales_down, node.scales_up, up);
-        sum += abs(direction.{{ axis }}) * {{ part }}read_way(node, way, scales, place.within);
+        sum += abs(direction.{{ axis }}) * {{ part }}read_way(node, way, scales, place.within, over);
     }
     {% endfor %}
     return sum;

@@ -6,7 +6,7 @@ from typing import Any
 
 from ...gpu.bindings import Binding, sampler, texture
 from ...gpu.device import Device
-from ...gpu.records import sampled_records
+from ...gpu.records import records, sampled_records
 from .bricks import NODE, Bricks
 from .octree import directory_binding
 
@@ -17,30 +17,27 @@ PARTS = ("", "moving_")
 
 
 class Reading:
-    """Of what is static and, beside it, of what moves, whose octrees have the same depth and cube. A storage texture
-    each: the directories.
+    """Of what is static and, beside it, of what moves, whose octrees have the same depth and cube.
 
-    bindings, structs, values: for the passes. Raises ValueError for octrees of other depths.
+    bindings, structs, values: for the passes. Two of the bindings are storage textures: what is read most often.
+    Raises ValueError for octrees of other depths.
     """
 
     structs = STRUCTS
     file = FILE
 
-    def __init__(self, device: Device, *octrees: Bricks):
-        depths = {bricks.octree.depth for bricks in octrees}
-        if not 1 <= len(octrees) <= len(PARTS) or len(depths) > 1:
-            raise ValueError(
-                f"one or two octrees of one depth are read together, not {len(octrees)} of {sorted(depths)}"
-            )
+    def __init__(self, device: Device, static: Bricks, moving: Bricks | None = None):
+        octrees = [static] if moving is None else [static, moving]
+        depths = [bricks.octree.depth for bricks in octrees]
+        if len(set(depths)) > 1:
+            raise ValueError(f"octrees that are read together have one depth, not {depths}")
         self._octrees = dict(zip(PARTS, octrees, strict=False))
         self._sampler = device.wgpu.create_sampler(mag_filter="linear", min_filter="linear")
-        self.bindings: list[Binding] = [sampler("brick_sampler")]
-        for part in self._octrees:
-            self.bindings += [
-                directory_binding(f"{part}directory"), sampled_records(f"{part}nodes", NODE),
-                texture(f"{part}bricks", "float", "3d"),
-            ]  # fmt: skip
-        self.values: dict[str, Any] = {**octrees[0].octree.values, "reads": ("nodes",), "parts": tuple(self._octrees)}
+        self.bindings: list[Binding] = [sampler("brick_sampler"), directory_binding(), records("nodes", NODE)]
+        if moving:
+            self.bindings += [texture("moving_directory", "uint"), sampled_records("moving_nodes", NODE)]
+        self.bindings += [texture(f"{part}bricks", "float", "3d") for part in self._octrees]
+        self.values: dict[str, Any] = {**static.octree.values, "reads": ("nodes",), "parts": tuple(self._octrees)}
 
     @property
     def resources(self) -> dict[str, Any]:
