@@ -39,7 +39,7 @@ class Voxels:
 
     whether `sample_voxels` finds nothing on this level and all finer ones anywhere in the cell of 2^3 voxels' edges
     around `position` whose corners are in the middles of voxels, the first in that of voxel (0, 0, 0).
-    It may read `bindings`, of which one may be a storage texture, whose structs are `structs`, and `values`.
+    It may read `bindings`, of which two may be storage textures, whose structs are `structs`, and `values`.
     """
 
     depth: int
