@@ -11,6 +11,7 @@ import numpy as np
 
 from octolux.frame.frame import Frame, FrameSettings
 from octolux.frame.structs import VPL
+from octolux.frame.vpl_sources import SOURCE, SourceGroup
 from octolux.gpu.bindings import atomic_words, uniform
 from octolux.gpu.device import Device
 from octolux.gpu.passes import ComputePass
@@ -23,7 +24,6 @@ from octolux.simulator.grid import Grid
 from octolux.techniques.baselines import NoTechnique
 from octolux.techniques.lpv.constants import GRID, SH_CONSTANTS, pack_grid
 from octolux.techniques.lpv.injection import Injection, VplSource
-from octolux.techniques.lpv.sources import SOURCE, SourceGroup
 from octolux.techniques.settings import Settings
 
 from .lab import device, interleaved, random_directions, read_buffer, submitted

@@ -7,13 +7,13 @@ from typing import Any
 
 from ...frame.structs import VPL
 from ...frame.traits import TRAIT_VALUES
+from ...frame.vpl_sources import SOURCE, VplSource, group_sources
 from ...gpu.bindings import atomic_words, storage_rw, uniform
 from ...gpu.device import Device
 from ...gpu.passes import ComputePass
 from ...gpu.records import records, words
 from ...gpu_scene.structs import INSTANCE
 from .constants import GRID, SH_CONSTANTS, grids_binding
-from .sources import SOURCE, VplSource, group_sources
 
 __all__ = ["Injection", "VplSource"]
 
