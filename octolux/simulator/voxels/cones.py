@@ -14,6 +14,10 @@ and a wall one voxel thick lets nothing through wherever samples fall, as tents 
 each sample lets (1 - opacity)^step through. Of that wall's tents exp(-2) = 13 % pass then, the mean of log(1 - tent)
 over its width being -1: it is right for leaves and fog, whose layers do not know of each other.
 
+Distance from the own surface. What a thin surface faces on its other side would hide half of the hemisphere from a cone
+that leaves it: at every level grazing cones are lower above it than voxels are wide. Samples are therefore lifted to
+CLEAR voxels of their level above the plane that their cone starts on, where they read nothing of it.
+
 A sample stands for the way to the next one, as long as its distance. So where a wall falls between two samples, of
 which either sees it through a half of its tent, they cover it together.
 """
@@ -34,6 +38,9 @@ SIZE = sqrt(3.0 / 8.0)
 PHASES = 16
 LEFT = 2.0**-9
 """Share of a ray that is no longer followed: half a step of an 8-bit picture."""
+CLEAR = 1.5
+"""Voxels: a trilinear sample reaches one to either side, and a surface lies up to half of one off the middle of its
+own; along a normal that is not along an axis as many times more as the sum of its parts."""
 COVERS = ("surfaces", "medium")
 CONE_TURN = 0.5 * (sqrt(5.0) - 1.0)  # of a circle, from cone to cone: the golden ratio spreads any number of them
 PHASE_TURN = 0.7548776662466927  # from phase to phase: 1 / x of x^3 = x + 1, which does not chime with the golden ratio
@@ -125,16 +132,37 @@ def _covered(traced: Traced, found: tuple[np.ndarray, np.ndarray], step, cover: 
     return Traced(traced.radiance + scale[:, None] * radiance, traced.left - share)
 
 
-def trace(read: Read, start, towards, samples: Sequence[Sample], n: int, cover: str = "surfaces") -> Traced:
-    """Wide cones from points `start` (m, 3), voxels, along unit `towards` (m, 3), through n^3 voxels.
+class Plane(NamedTuple):
+    """Of the surfaces that cones start on: unit normals (m, 3), and how far above it that is, voxels of level 0."""
+
+    normals: np.ndarray
+    height: float
+
+
+def _lifted(points, plane: Plane | None, travelled, towards, size, n: int) -> np.ndarray:
+    """Points (m, 3) that are CLEAR voxels of an edge of `size` above the plane, or as high as they are."""
+    if plane is None:
+        return points
+    height = plane.height + travelled * np.sum(towards * plane.normals, axis=-1)
+    lack = np.maximum(CLEAR * size * np.abs(plane.normals).sum(axis=-1) - height, 0.0)
+    return np.clip(points + lack[:, None] * plane.normals, 0.0, n)
+
+
+def trace(
+    read: Read, start, towards, samples: Sequence[Sample], n: int, cover: str = "surfaces", plane: Plane | None = None
+) -> Traced:  # fmt: skip
+    """Wide cones from points `start` (m, 3), voxels, along unit `towards` (m, 3), through n^3 voxels. plane: that they
+    start on, if any.
 
     The last sample of a cone is where it leaves them, for the way from the one before, of whose level it is.
     """
     reach, traced, before = way_out(start, towards, n), None, Sample(0.0, 0, 0.0)
     for sample in samples:
         leaves = sample.distance > reach
-        points = _along(start, towards, np.minimum(sample.distance, reach), n)
-        found = read(points, np.where(leaves, float(before.level), float(sample.level)), towards)
+        travelled = np.minimum(sample.distance, reach)
+        level = np.where(leaves, float(before.level), float(sample.level))
+        points = _along(start, towards, travelled, n)
+        found = read(_lifted(points, plane, travelled, towards, 2.0**level, n), level, towards)
         traced = traced or Traced(np.zeros_like(found[0]), np.ones(len(start)))
         step = np.where(leaves, np.maximum(reach - before.distance, 0.0) / 2.0**before.level, sample.step)
         traced, before = _covered(traced, found, step, cover), sample
@@ -186,7 +214,7 @@ def gather(
     irradiance: np.ndarray = np.zeros(1)
     for direction in np.concatenate([directions(count, phase) for phase in phases]):
         towards = above(frames @ direction, geometric)
-        traced = trace(read, start, towards, samples, 2**depth, cover)
+        traced = trace(read, start, towards, samples, 2**depth, cover, Plane(geometric, offset))
         radiance = traced.radiance + (traced.left[:, None] * sky(towards) if sky else 0.0)
         irradiance, visible = irradiance + pi * weight * radiance, visible + weight * traced.left
     return irradiance, visible
@@ -203,6 +231,7 @@ def specular_light(
     """
     towards = reflected_direction(to_eye, normals, geometric, roughness)
     start = np.asarray(points, dtype=np.float64) + offset * np.asarray(geometric, dtype=np.float64)
+    plane = Plane(np.asarray(geometric, dtype=np.float64), offset)
     widening = CONE * np.broadcast_to(alpha_of(roughness), len(start))
     reach, travelled, traced = way_out(start, towards, 2**depth), np.zeros(len(start)), None
     going = np.ones(len(start), bool)
@@ -210,7 +239,8 @@ def specular_light(
         level = np.minimum(np.log2(np.maximum(widening * travelled, 1.0)), depth - 1.0)
         size = 2.0**level
         at = np.minimum(travelled + 0.5 * step * size, reach)
-        found = read(_along(start, towards, at, 2**depth), level, towards)
+        points = _along(start, towards, at, 2**depth)
+        found = read(_lifted(points, plane, at, towards, size, 2**depth), level, towards)
         traced = traced or Traced(np.zeros_like(found[0]), np.ones(len(start)))
         going = (travelled < reach) & (traced.left > LEFT)
         traced = _covered(traced, found, np.where(going, step, 0.0), cover)

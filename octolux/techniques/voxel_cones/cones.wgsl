@@ -27,3 +27,10 @@ fn way_out(start: vec3f, towards: vec3f) -> f32 {
     let far = (select(vec3f(0.0), vec3f(EDGE), steep > vec3f(0.0)) - start) / steep;
     return max(min(far.x, min(far.y, far.z)), 0.0);
 }
+
+// A sample's place, `height` above the plane across `normal` that its cone starts on; lifted where its voxels, of this
+// size, would reach that plane (simulator/voxels/cones.py, CLEAR).
+fn lifted(position: vec3f, normal: vec3f, height: f32, size: f32) -> vec3f {
+    let clear = {{ clear }} * size * dot(abs(normal), vec3f(1.0));
+    return clamp(position + max(clear - height, 0.0) * normal, vec3f(0.0), vec3f(EDGE));
+}

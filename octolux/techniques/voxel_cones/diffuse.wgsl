@@ -12,22 +12,28 @@
 const TILE = 4u;
 const TOGETHER = 8u;
 
-// before, before_level: of the last sample; the one where a cone leaves the cube is for the way from there, on its level.
-struct Way { start: vec3f, towards: vec3f, reach: f32, before: f32, before_level: u32, traced: Traced }
+// plane: across which normal the surface lies that it starts on.  before, before_level: of the last sample; the one where a cone leaves the cube is for the way from there, on its level.
+struct Way {
+    start: vec3f, towards: vec3f, plane: vec3f, reach: f32, before: f32, before_level: u32, traced: Traced,
+}
 
 // distance: of the sample in voxels of level 0; step: for which it stands, in voxels of `level`.
 fn sampled(way: Way, distance: f32, level: u32, step: f32) -> Way {
     let leaves = distance > way.reach;
-    let found = sample_voxels(
-        way.start + min(distance, way.reach) * way.towards, select(level, way.before_level, leaves), way.towards,
-    );
+    let travelled = min(distance, way.reach);
+    let of_level = select(level, way.before_level, leaves);
+    let height = {{ offset }} + travelled * dot(way.towards, way.plane);
+    let position = lifted(way.start + travelled * way.towards, way.plane, height, f32(1u << of_level));
+    let found = sample_voxels(position, of_level, way.towards);
     let rest = max(way.reach - way.before, 0.0) / f32(1u << way.before_level);
     let traced = covered(way.traced, found, select(step, rest, leaves));
-    return Way(way.start, way.towards, way.reach, distance, level, traced);
+    return Way(way.start, way.towards, way.plane, way.reach, distance, level, traced);
 }
 
-fn wide_cone(start: vec3f, towards: vec3f, wanted: bool) -> Traced {
-    var way = Way(start, towards, way_out(start, towards), 0.0, 0u, Traced(vec3f(0.0), select(0.0, 1.0, wanted)));
+// plane: unit normal of the surface that it starts on.
+fn wide_cone(start: vec3f, towards: vec3f, plane: vec3f, wanted: bool) -> Traced {
+    let reach = way_out(start, towards);
+    var way = Way(start, towards, plane, reach, 0.0, 0u, Traced(vec3f(0.0), select(0.0, 1.0, wanted)));
     {% for sample in near %}
     way = sampled(way, {{ sample.distance }}, 0u, {{ sample.step }});
     {% endfor %}
@@ -66,7 +72,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let angle = {{ 2 * pi }} * fract(f32(i) * {{ cone_turn }} + shift.y);
         let local = vec3f(sqrt(square) * cos(angle), sqrt(square) * sin(angle), sqrt(1.0 - square));
         let towards = above(from_basis(basis, local), seen.geometric);
-        let traced = wide_cone(seen.start, towards, seen.there);
+        let traced = wide_cone(seen.start, towards, seen.geometric, seen.there);
         irradiance += traced.radiance;
         visible += traced.left;
         {% if sky %}

@@ -70,7 +70,7 @@ class _Gathering:
         }  # fmt: skip
         self._values: dict[str, Any] = {
             **CONSTANTS, "voxels": voxels.file, "depth": voxels.depth, "offset": float(offset), "cover": cover,
-            "left": cones.LEFT, "resolution": resolution, **voxels.values,
+            "left": cones.LEFT, "clear": cones.CLEAR, "resolution": resolution, **voxels.values,
         }  # fmt: skip
         self._made_for: tuple[int, int] | None = None
         self._light: Any = None

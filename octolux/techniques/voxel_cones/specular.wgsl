@@ -24,7 +24,8 @@ fn way_out_of_cell(position: vec3f, level: u32, towards: vec3f) -> f32 {
 }
 {% endif %}
 
-fn tight_cone(start: vec3f, towards: vec3f, widening: f32, wanted: bool) -> Traced {
+// plane: unit normal of the surface that it starts on.
+fn tight_cone(start: vec3f, towards: vec3f, plane: vec3f, widening: f32, wanted: bool) -> Traced {
     var traced = Traced(vec3f(0.0), select(0.0, 1.0, wanted));
     let reach = way_out(start, towards);
     var travelled = 0.0;
@@ -34,7 +35,8 @@ fn tight_cone(start: vec3f, towards: vec3f, widening: f32, wanted: bool) -> Trac
     loop {
         let size = clamp(widening * travelled, 1.0, {{ 2 ** (depth - 1) }}.0);
         let level = log2(size);
-        let position = start + min(travelled + {{ 0.5 * step }} * size, reach) * towards;
+        let at = min(travelled + {{ 0.5 * step }} * size, reach);
+        let position = lifted(start + at * towards, plane, {{ offset }} + at * dot(towards, plane), size);
         {% if skip %}
         // Cells that hold nothing are left in one step, and larger ones are tried; else smaller ones, down to those that
         // the cone samples.
@@ -62,7 +64,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let albedo = lobe_albedo(seen.surface, seen.to_eye);
     let wanted = seen.there && any(albedo > vec3f({{ darkest }}));
     let towards = reflected_direction(seen.surface, seen.to_eye);
-    let traced = tight_cone(seen.start, towards, {{ lobe }} * alpha_of(seen.surface), wanted);
+    let traced = tight_cone(seen.start, towards, seen.geometric, {{ lobe }} * alpha_of(seen.surface), wanted);
     {% if resolution > 1 %}
     textureStore(light_out, id.xy, vec4f(traced.radiance, 1.0));
     textureStore(place_out, id.xy, vec4f(seen.normal, select(0.0, seen.depth, wanted)));
