@@ -6,16 +6,16 @@
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let index = id.x + {{ row }}u * id.y;
     if index >= 8u * injected.count { return; }
-    var sum = select(unpack_bright(fresh[index]), vec3f(0.0), injected.group == 0u);
+    let own = 8u * injected.before + index;
+    var sum = select(unpack_bright(fresh[own]), vec3f(0.0), injected.group == 0u);
     {% for channel in range(3) %}
     sum.{{ "xyz"[channel] }} += f32(sums[3u * index + {{ channel }}u]) * injected.to_light.{{ "xyz"[channel] }};
     sums[3u * index + {{ channel }}u] = 0u;
     {% endfor %}
     let packed = pack_bright(sum);
     let place = 8u * injected.first + index;
-    if injected.last == 0u {
-        fresh[index] = packed;
-    } else if light[place] != packed {
+    fresh[own] = packed;
+    if injected.last == 1u && light[place] != packed {
         light[place] = packed;
         touched[owners[place >> 3u] >> 3u] = 1u;
     }

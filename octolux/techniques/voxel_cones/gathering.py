@@ -50,6 +50,23 @@ class Voxels:
     skips: bool = False
 
 
+def cone_values(voxels: Voxels, offset: float, cover: str) -> dict[str, Any]:
+    """What cones.wgsl wants to know."""
+    return {
+        **CONSTANTS, "voxels": voxels.file, "depth": voxels.depth, "offset": float(offset), "cover": cover,
+        "left": cones.LEFT, "clear": cones.CLEAR, **voxels.values,
+    }  # fmt: skip
+
+
+def wide_cones(count: int, per_level: int, width: float) -> dict[str, Any]:
+    """What wide_cone.wgsl wants to know besides."""
+    return {
+        "cones": count, "near": cones.near_samples(count, width),
+        "first_level": cones.first_level_samples(count, per_level, width), "phases": cones.PHASES,
+        "cone_turn": cones.CONE_TURN, "phase_turn": cones.PHASE_TURN,
+    }  # fmt: skip
+
+
 class _Gathering:
     """What diffuse and specular cones share. resolution: pixels along each side of a block that shares a pixel's
     cones; offset: voxels from a surface to where they start. Raises OctoluxError for values out of range."""
@@ -68,10 +85,7 @@ class _Gathering:
         self._filter_values: dict[str, Any] = {
             "resolution": resolution, "least_weight": LEAST_WEIGHT, "turned": TURNED, **CONSTANTS,
         }  # fmt: skip
-        self._values: dict[str, Any] = {
-            **CONSTANTS, "voxels": voxels.file, "depth": voxels.depth, "offset": float(offset), "cover": cover,
-            "left": cones.LEFT, "clear": cones.CLEAR, "resolution": resolution, **voxels.values,
-        }  # fmt: skip
+        self._values: dict[str, Any] = {"resolution": resolution, **cone_values(voxels, offset, cover)}
         self._made_for: tuple[int, int] | None = None
         self._light: Any = None
         self._place: Any = None
@@ -129,10 +143,8 @@ class DiffuseCones(_Gathering):
         self._gather = ComputePass(
             device, "diffuse cones", "techniques/voxel_cones/diffuse.wgsl",
             [*self._read, *(SurroundingsMap.bindings() if sky else []), *out],
-            structs=[*self._structs, *([ENVIRONMENT] if sky else [])], cones=count,
-            near=cones.near_samples(count, width), first_level=cones.first_level_samples(count, per_level, width),
-            phases=cones.PHASES, cone_turn=cones.CONE_TURN, phase_turn=cones.PHASE_TURN, sky=sky,
-            sky_alpha=sky_alpha, **self._values,
+            structs=[*self._structs, *([ENVIRONMENT] if sky else [])], sky=sky, sky_alpha=sky_alpha,
+            **wide_cones(count, per_level, width), **self._values,
         )  # fmt: skip
         raw = [storage_texture(name, "rgba32float", access="read") for name in ("light_map", "place_map")]
         results = [storage_texture("irradiance_out", "rgba32float"), storage_texture("visibility_out", "r32float")]

@@ -23,7 +23,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     {% for axis in "xyz" %}{% for side in ("up", "down") %}
     {
         let brick = brick_of_way(ways[leaf.node], {{ 2 * "xyz".index(axis) + (side == "down") }}u);
-        if {{ side }}.{{ axis }} > 0.0 && brick != NO_NODE {
+        if {{ side }}.{{ axis }} > 0.0 && brick - injected.first < injected.count {
             let slot = 3u * (8u * (brick - injected.first) + leaf.corner);
             {% for channel in range(3) %}
             atomicAdd(&sums[slot + {{ channel }}u], u32(round({{ side }}.{{ axis }} * flux[{{ channel }}])));

@@ -21,9 +21,11 @@ from .structure import VoxelOctree
 from .voxeliser import CUBE
 
 # Of level 0 the first brick and how many. group: of lights, its number; last: 1 for the last.  to_light: from its sums
-# to `light`.
-INJECTED = Struct("Injected", to_light="vec3f", first="u32", count="u32", group="u32", last="u32")
+# to `light`.  before: bricks of level 0 before the first.
+INJECTED = Struct("Injected", to_light="vec3f", first="u32", count="u32", group="u32", last="u32", before="u32")
 _SUMS = 12 * OWN  # bytes of a brick
+_BUFFER = DEFAULT_LIMITS["max-storage-buffer-binding-size"]
+_ROUND = (64 << 20) // _SUMS  # bricks at a time
 _LABEL = "voxel light"
 _DARK = SourceGroup([], (0.0,) * 3, (0.0,) * 3)  # no lights: light that there was before goes
 
@@ -31,18 +33,20 @@ _DARK = SourceGroup([], (0.0,) * 3, (0.0,) * 3)  # no lights: light that there w
 class Injection:
     """Writes what voxels of level 0 send (bricks.py, `light`), and touches the nodes where that is other than before.
 
-    Light is deterministic: the same VPLs bring the same bits, in whatever order they are added.
+    Light is deterministic: the same VPLs bring the same bits, in whatever order they are added. Where there are too
+    many voxels for one buffer of sums, these are made in rounds.
+
+    fresh: u32 of the voxels of level 0, what the VPLs bring them.
     """
 
     def __init__(self, device: Device, octree: VoxelOctree):
         self.device, self.octree = device, octree
         self.unit = 0.0
         """Nits: what `light` is a share of; a power of two, so that it stays the same while lights move."""
-        most = DEFAULT_LIMITS["max-storage-buffer-binding-size"] // _SUMS
-        self._sums = Pool("bricks of level 0", lambda count: device.buffer(_LABEL, size=_SUMS * count), limit=most)
-        self._fresh = Pool(
-            "bricks of level 0", lambda count: device.buffer(_LABEL, size=4 * OWN * count), limit=most
-        )  # fmt: skip
+        self._sums = Pool("bricks of level 0", lambda count: device.buffer(_LABEL, size=_SUMS * count), limit=_ROUND)
+        self.fresh = Pool(
+            "bricks of level 0", lambda count: device.buffer(_LABEL, size=4 * OWN * count), limit=_BUFFER // (4 * OWN)
+        )
         group = uniform("injected", INJECTED)
         fixed: dict[str, Any] = {"workgroup": WORKGROUP, "row": ROW}
         self._inject = ComputePass(
@@ -64,20 +68,13 @@ class Injection:
         groups = group_sources(vpl_sources(frame)) or [_DARK]
         changed = self._choose_unit(frame.lights.total_flux)
         first, count = self.octree.bricks.levels[0]
-        if self._sums.need(count) | self._fresh.need(count):
+        self.fresh.need(count)
+        if self._sums.need(min(count, _ROUND)):
             stage.encoder.clear_buffer(self._sums.resource)
-        area = self.octree.grid.cell_size**2
-        for number, group in enumerate(groups):
-            packed = group.pack()
-            to_light = packed[0]["to_intensity"][0] / (area * self.unit) if packed else (0.0,) * 3
-            last = number == len(groups) - 1
-            values = INJECTED.pack(to_light=to_light, first=first, count=count, group=number, last=last)
-            of_group = self.device.uniform(_LABEL, values)
-            self._scatter(stage, frame, of_group, packed)
-            self._collect.run(
-                stage, threads(OWN * count), injected=of_group, sums=self._sums.resource, fresh=self._fresh.resource,
-                **self._of_bricks("owners", "light", "touched"),
-            )  # fmt: skip
+        for before in range(0, count, _ROUND):
+            where = {"first": first + before, "count": min(_ROUND, count - before), "before": before}
+            for number, lights in enumerate(groups):
+                self._inject_group(stage, frame, lights, group=number, last=number == len(groups) - 1, **where)
         return changed
 
     def _choose_unit(self, total_flux: np.ndarray) -> bool:
@@ -87,13 +84,20 @@ class Injection:
         changed, self.unit = unit != self.unit, unit
         return changed
 
-    def _scatter(self, stage: Any, frame: Frame, of_group: Any, sources: list[np.ndarray]) -> None:
-        for packed in sources:
+    def _inject_group(self, stage: Any, frame: Frame, lights: SourceGroup, **values: int) -> None:
+        packed, scale = lights.pack(), 1.0 / (self.octree.grid.cell_size**2 * self.unit)
+        to_light = packed[0]["to_intensity"][0] * scale if packed else (0.0,) * 3
+        injected = self.device.uniform(_LABEL, INJECTED.pack(to_light=to_light, **values))
+        for source in packed:
             self._inject.run(
-                stage, threads(int(packed["count"][0])), source=self.device.uniform(_LABEL, packed),
-                injected=of_group, vpls=frame.vpls, sums=self._sums.resource, **self.octree.leaf_resources,
+                stage, threads(int(source["count"][0])), source=self.device.uniform(_LABEL, source),
+                injected=injected, vpls=frame.vpls, sums=self._sums.resource, **self.octree.leaf_resources,
                 **self._of_bricks("facing", "ways"),
             )  # fmt: skip
+        self._collect.run(
+            stage, threads(OWN * values["count"]), injected=injected, sums=self._sums.resource,
+            fresh=self.fresh.resource, **self._of_bricks("owners", "light", "touched"),
+        )  # fmt: skip
 
     def _of_bricks(self, *names: str) -> dict[str, Any]:
         return {name: getattr(self.octree.bricks, name).resource for name in names}

@@ -9,6 +9,7 @@ from ...gpu.device import Device
 from ...simulator.grid import Grid
 from ...simulator.voxels.surfaces import around
 from ..technique import Technique
+from .bounces import Bounces
 from .gathering import DiffuseCones, SpecularCones, Voxels
 from .injection import Injection
 from .reading import Reading
@@ -35,8 +36,14 @@ class VoxelCones(Technique):
         self.reading = Reading(device, self.octree.bricks)
         voxels = Voxels(s.depth, self.reading.file, self.reading.bindings, self.reading.structs, self.reading.values,
                         skips=True)  # fmt: skip
-        self.diffuse = DiffuseCones(device, voxels)
-        self.specular = SpecularCones(device, voxels)
+        start = {"offset": s.offset, "cover": s.cover}
+        self.diffuse = DiffuseCones(
+            device, voxels, count=s.cones, per_level=s.samples, width=s.width, resolution=s.resolution, **start
+        )
+        self.specular = SpecularCones(device, voxels, step=s.step, **start) if s.glossy else None
+        self.bounces = None
+        if s.bounces > 1:
+            self.bounces = Bounces(device, self.octree, self.reading, s.bounces - 1, s.bounce_level)
         self._built_of: tuple[int, int] | None = None
 
     def prepare(self, frame: Frame) -> None:
@@ -54,12 +61,15 @@ class VoxelCones(Technique):
             self._built_of = key
         with frame.profiler.stage("injection") as stage:
             everything = self.injection.run(stage, frame) or new
+        unit = self.injection.unit
         with frame.profiler.stage("filtering") as stage:
-            if everything:
-                self.octree.filtering.everything(stage, self.injection.unit)
+            if everything or self.bounces:
+                self.octree.filtering.everything(stage, unit)
                 stage.encoder.clear_buffer(self.octree.bricks.touched.resource)
             else:
-                self.octree.filtering.touched(stage, self.injection.unit)
+                self.octree.filtering.touched(stage, unit)
+        if self.bounces:
+            self.bounces.run(frame.profiler, self.injection.fresh.resource, unit)
 
     def shade(self, frame: Frame) -> None:
         grid, voxels = self.octree.grid, self.reading.resources
@@ -67,8 +77,9 @@ class VoxelCones(Technique):
             self.diffuse.gather(stage, frame, grid, **voxels)
         with frame.profiler.stage("cone filter") as stage:
             self.diffuse.filter(stage, frame)
-        with frame.profiler.stage("specular cones") as stage:
-            self.specular.run(stage, frame, grid, **voxels)
+        if self.specular:
+            with frame.profiler.stage("specular cones") as stage:
+                self.specular.run(stage, frame, grid, **voxels)
 
 
 def scene_grid(frame: Frame, depth: int) -> Grid:
