@@ -30,8 +30,11 @@ PARAMETERS_OF = uniform("parameters", PARAMETERS)
 
 
 def brick_texture(device: Device, count: int) -> Any:
-    """A 3D texture for `count` bricks, or more: light that is sent a way, as shares of scales, and what faces it."""
-    size = (EDGE * BRICKS_ROW, EDGE * BRICKS_ROW, EDGE * -(-count // _BRICKS_LAYER))
+    """A 3D texture for `count` bricks, or more: light that is sent a way, as shares of scales, and what faces it. Its
+    depth is a power of two: so coordinates along it are exact, and samples the same bits, however much room there is.
+    """
+    depth = 1 << (EDGE * -(-count // _BRICKS_LAYER) - 1).bit_length()
+    size = (EDGE * BRICKS_ROW, EDGE * BRICKS_ROW, depth)
     return device.texture("voxel bricks", size, "rgba8unorm", usage=STORAGE | TEXTURE | COPY, dimension="3d")
 
 

@@ -29,7 +29,7 @@ class VoxelConesSettings(Settings):
         cost="each more than one: a gathering at the scene's coarse voxels, and filtering everything", source="VCT 7.2",
     )  # fmt: skip
     bounce_level: int = setting(
-        2, meaning="level of the voxels that gather light for further bounces", unit="levels", allowed=[0, 4],
+        3, meaning="level of the voxels that gather light for further bounces", unit="levels", allowed=[0, 4],
         cost="each finer one takes four times as long; coarser ones spread what they receive farther", source="ours",
     )  # fmt: skip
     cones: int = setting(

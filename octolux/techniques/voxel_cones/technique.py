@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ...frame.frame import Frame
@@ -36,7 +38,7 @@ class VoxelCones(Technique):
         self.reading = Reading(device, self.octree.bricks)
         voxels = Voxels(s.depth, self.reading.file, self.reading.bindings, self.reading.structs, self.reading.values,
                         skips=True)  # fmt: skip
-        start = {"offset": s.offset, "cover": s.cover}
+        start: dict[str, Any] = {"offset": s.offset, "cover": s.cover}
         self.diffuse = DiffuseCones(
             device, voxels, count=s.cones, per_level=s.samples, width=s.width, resolution=s.resolution, **start
         )
