@@ -21,6 +21,10 @@ from octolux.techniques.voxel_cones.structure import VoxelOctree
         ({"depth": 10}, "not 10"),
         ({"depth": 7.5}, "not 7.5"),
         ({"texture_level": 5.0}, r"'texture_level' is -4.0 to 4.0 \(levels\), not 5.0"),
+        ({"cones": 3}, r"'cones' is 4 to 16"),
+        ({"bounces": 0}, r"'bounces' is 1 to 8"),
+        ({"resolution": 3}, "'resolution' is one of 1, 2, 4, not 3"),
+        ({"cover": "glass"}, "one of surfaces, medium, not 'glass'"),
         ({"dept": 8}, r"no setting 'dept'. Did you mean 'depth'\?"),
     ],
 )

@@ -12,7 +12,7 @@ from ..settings import Settings, setting
 @dataclass(frozen=True)
 class VoxelConesSettings(Settings):
     """The default traces many narrow cones at half resolution; `full` as many at all pixels; `fast` fewer, wide ones at
-    half resolution; `thesis` those of VCT 6."""
+    half resolution."""
 
     depth: int = setting(
         8, meaning="levels of the octree: 2^depth voxels along each side of the cube around the scene", unit="levels",
@@ -34,7 +34,7 @@ class VoxelConesSettings(Settings):
     )  # fmt: skip
     cones: int = setting(
         16, meaning="diffuse cones of a pixel; of 16 pixels each has others", unit="cones", allowed=[4, 16],
-        cost="time is proportional; fewer are wider, and take small openings for closed", source="VCT 5.6, table 6.11",
+        cost="time is proportional; fewer are wider, and take small openings for closed", source="VCT 5.6, table 6.10",
     )  # fmt: skip
     width: float = setting(
         0.5, meaning="of the voxels that diffuse cones read, over those that blur as much as the cone does", unit="",
@@ -42,11 +42,11 @@ class VoxelConesSettings(Settings):
     )  # fmt: skip
     samples: int = setting(
         4, meaning="samples of a diffuse cone for each level; 2 over `width` leave no gaps", unit="samples",
-        allowed=[1, 4], cost="time is proportional", source="VCT 5.6, table 6.4",
+        allowed=[1, 4], cost="time is proportional", source="VCT 5.6",
     )  # fmt: skip
     resolution: int = setting(
         2, meaning="pixels along the edge of a block of which one gathers diffuse light", unit="pixels",
-        allowed=(1, 2, 4), cost="1: four times as long as 2; more blurs what is small", source="VCT 7.2, table 6.10",
+        allowed=(1, 2, 4), cost="1: four times as long as 2; more blurs what is small", source="VCT 7.2, table 6.7",
     )  # fmt: skip
     glossy: bool = setting(
         True, meaning="glossy surfaces reflect the voxels", unit="", allowed=(False, True),
@@ -54,7 +54,7 @@ class VoxelConesSettings(Settings):
     )  # fmt: skip
     step: float = setting(
         1.0, meaning="between samples of a specular cone, in voxels as large as it is wide", unit="voxels",
-        allowed=[0.125, 2.0], cost="time is inversely proportional; more leaves gaps", source="VCT 5.6, table 6.4",
+        allowed=[0.125, 2.0], cost="time is inversely proportional; more leaves gaps", source="VCT 5.6",
     )  # fmt: skip
     offset: float = setting(
         1.0, meaning="from a surface to where its cones start", unit="voxels", allowed=[0.0, 4.0],
@@ -69,5 +69,4 @@ class VoxelConesSettings(Settings):
     PRESETS: ClassVar[dict[str, dict[str, Any]]] = {
         "full": {"resolution": 1},
         "fast": {"cones": 8, "width": 1.0, "samples": 2},
-        "thesis": {"cones": 5, "width": 1.0, "samples": 2, "resolution": 1, "cover": "medium"},
     }
