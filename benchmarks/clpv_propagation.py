@@ -25,7 +25,7 @@ from octolux.techniques.lpv.propagation import CELL_BYTES, Propagation
 from octolux.techniques.lpv.reflectors import Reflectors
 from octolux.techniques.lpv.uniform.settings import UniformLpvSettings
 from octolux.techniques.lpv.uniform.technique import UniformLpv
-from octolux.techniques.lpv.volume import scene_grid, vpl_sources
+from octolux.techniques.lpv.volume import injected_sources, scene_grid
 
 from .lab import device, interleaved, read_buffer, submitted
 from .olpv_scene import MAPS, SCENES, base_scene, lit
@@ -75,7 +75,7 @@ def _filled(grid: Grid) -> list[np.ndarray]:
     injection, levels = Injection(device(), grid.n), Levels([grid.n])
     geometry, reflectors = GeometryVolume(device(), levels, planes=False), Reflectors(device(), levels, -BEHIND)
     with submitted() as stage:
-        injection.run(stage, own, frame.vpls, vpl_sources(frame, grid, "flux"))
+        injection.run(stage, own, frame.vpls, injected_sources(frame, grid, "flux"))
         geometry.run(stage, frame, shifted)
         reflectors.run(stage, frame, shifted)
     return [read_buffer(x) for x in (injection.injected, geometry.shares, reflectors.reflectors)]

@@ -11,7 +11,8 @@ import numpy as np
 
 from octolux.frame.frame import Frame, FrameSettings
 from octolux.frame.structs import VPL
-from octolux.gpu.bindings import uniform
+from octolux.frame.vpl_sources import SOURCE, SourceGroup
+from octolux.gpu.bindings import atomic_words, uniform
 from octolux.gpu.device import Device
 from octolux.gpu.passes import ComputePass
 from octolux.gpu.records import read_records, record_texture, records
@@ -22,8 +23,7 @@ from octolux.simulator.camera import pack_normals
 from octolux.simulator.grid import Grid
 from octolux.techniques.baselines import NoTechnique
 from octolux.techniques.lpv.constants import GRID, SH_CONSTANTS, pack_grid
-from octolux.techniques.lpv.injection import Injection, VplSource, atomic_words
-from octolux.techniques.lpv.sources import SOURCE, SourceGroup
+from octolux.techniques.lpv.injection import Injection, VplSource
 from octolux.techniques.settings import Settings
 
 from .lab import device, interleaved, random_directions, read_buffer, submitted

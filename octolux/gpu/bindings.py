@@ -56,6 +56,12 @@ def storage_rw(name: str, kind: str | Struct, access: str = "read_write") -> Bin
     return Binding(name, text, access, {"buffer": {"type": "storage"}})
 
 
+def atomic_words(name: str, kind: str) -> Binding:
+    """A buffer of atomic words: "i32" or "u32"."""
+    text = f"var<storage, read_write> {name}: array<atomic<{kind}>>;"
+    return Binding(name, text, "read_write", {"buffer": {"type": "storage"}})
+
+
 _SAMPLE_TYPES = {"float": "f32", "unfilterable-float": "f32", "uint": "u32"}
 
 

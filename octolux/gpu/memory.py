@@ -15,6 +15,7 @@ TEXEL_BYTES = {
     "r32uint": 4,
     "r32float": 4,
     "rg32float": 8,
+    "rg32uint": 8,
     "depth32float": 4,
     "rgba16float": 8,
     "rgba32uint": 16,

@@ -44,6 +44,13 @@ def records(name: str, kind: Struct) -> Binding:
     return _binding(name, "read", kind.wgsl_loader(name, lambda word: f"textureLoad({name}, {_place(kind, word)})"))
 
 
+def sampled_records(name: str, kind: Struct) -> Binding:
+    """The same as `records`, for passes whose four storage textures are taken."""
+    layout = {"texture": {"sample_type": "uint", "view_dimension": "2d"}}
+    load = kind.wgsl_loader(name, lambda word: f"textureLoad({name}, {_place(kind, word)}, 0)")
+    return Binding(name, f"var {name}: texture_2d<u32>;", "read", layout, loader=load)
+
+
 def records_out(name: str, kind: Struct) -> Binding:
     """The same, that it writes with `store_NAME(index, value)`."""
     words = "".join(
@@ -64,7 +71,8 @@ def word_texture(device: Device, label: str, count: int, data: np.ndarray | None
 
 def _texture(device: Device, label: str, format: str, texels: int, data: np.ndarray | None) -> Any:
     rows = -(-max(1, texels) // (1 << _ROW_BITS))
-    usage = wgpu.TextureUsage.STORAGE_BINDING | wgpu.TextureUsage.COPY_DST | wgpu.TextureUsage.COPY_SRC
+    usage = wgpu.TextureUsage.STORAGE_BINDING | wgpu.TextureUsage.TEXTURE_BINDING
+    usage |= wgpu.TextureUsage.COPY_DST | wgpu.TextureUsage.COPY_SRC
     made = device.texture(label, (1 << _ROW_BITS, rows), format, usage=usage)
     if data is not None and data.size:
         _write(device, made, (16 if format == _FORMAT else 4) << _ROW_BITS, data)

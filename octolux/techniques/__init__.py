@@ -9,9 +9,10 @@ from .lpv.uniform.technique import UniformLpv
 from .path_tracer.technique import PathTracer
 from .settings import SettingsError, suggest
 from .technique import Technique
+from .voxel_cones.technique import VoxelCones
 
 TECHNIQUES: dict[str, type[Technique]] = {
-    t.name: t for t in (NoTechnique, Constant, UniformLpv, OctreeLpv, CascadedLpv, PathTracer)
+    t.name: t for t in (NoTechnique, Constant, UniformLpv, OctreeLpv, CascadedLpv, VoxelCones, PathTracer)
 }
 
 

@@ -21,7 +21,7 @@ from octolux.scene.meshes import Instance, Mesh
 from octolux.scene.scene import Environment, Scene
 from octolux.techniques.baselines import ConstantSettings
 
-TECHNIQUES = ("none", "constant", "uniform-lpv")
+TECHNIQUES = ("none", "constant", "uniform-lpv", "voxel-cones")
 BACKGROUND = (0.25, 0.5, 2.0)
 SKY = Environment(BACKGROUND)
 LIGHTS = [

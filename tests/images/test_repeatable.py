@@ -13,7 +13,7 @@ from octolux.scene.load import load_scene
 from octolux.scene.meshes import Instance
 
 SIZE = (160, 120)
-TECHNIQUES = ("none", "constant", "uniform-lpv")
+TECHNIQUES = ("none", "constant", "uniform-lpv", "voxel-cones")
 
 
 def renderer_of(device, scene, technique: str) -> Renderer:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from gpu_tools import largest_cell_error, one_stage, random_directions, read_buffer, scene_of
 
+from octolux.frame.vpl_sources import VplSource
 from octolux.gpu.records import read_records, record_texture
 from octolux.scene.builtin.shapes import quad
 from octolux.scene.environment import Environment
@@ -21,7 +22,6 @@ from octolux.simulator.lpv import emitted as reference
 from octolux.simulator.lpv.propagation import total_flux
 from octolux.techniques.lpv.constants import pack_grids
 from octolux.techniques.lpv.emitted import EMITTED, EmittedInjection, EmittedLights, pack_emitted
-from octolux.techniques.lpv.sources import VplSource
 
 N = 16
 NESTED = [Grid((0.5, 0.25, 1.0), 0.25, N), Grid((-1.0, -1.0, 0.0), 0.5, N), Grid((-8.0, -4.0, -6.0), 1.0, N)]

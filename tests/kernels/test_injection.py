@@ -10,6 +10,7 @@ import pytest
 from gpu_tools import largest_cell_error, one_stage, random_directions, read_buffer
 
 from octolux.frame.structs import VPL
+from octolux.frame.vpl_sources import MIN_STEPS, group_sources
 from octolux.gpu.records import record_texture
 from octolux.simulator.camera import pack_normals, unpack_normals
 from octolux.simulator.grid import Grid
@@ -17,7 +18,6 @@ from octolux.simulator.lpv import injection as reference
 from octolux.simulator.sh import COSINE_LOBE_1
 from octolux.techniques.lpv.constants import pack_grid
 from octolux.techniques.lpv.injection import RUN, Injection, VplSource
-from octolux.techniques.lpv.sources import MIN_STEPS, group_sources
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # benchmarks is not installed
 

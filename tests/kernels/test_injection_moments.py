@@ -9,10 +9,10 @@ from gpu_tools import read_buffer
 from test_injection import GRID, N, arguments, clustered_vpls, random_vpls, run, words
 
 from octolux.frame.structs import VPL
+from octolux.frame.vpl_sources import MIN_STEPS, group_sources
 from octolux.simulator.camera import pack_normals
 from octolux.simulator.lpv import injection as reference
 from octolux.techniques.lpv.injection import Injection, VplSource
-from octolux.techniques.lpv.sources import MIN_STEPS, group_sources
 
 PLACE = 1e-5  # cells, of places in float32
 

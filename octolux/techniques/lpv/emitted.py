@@ -9,7 +9,8 @@ import numpy as np
 
 from ...frame.emitters import glowing_patches
 from ...frame.frame import Frame
-from ...gpu.bindings import Binding, storage_rw, uniform
+from ...frame.vpl_sources import SOURCE, VplSource, group_sources
+from ...gpu.bindings import Binding, atomic_words, storage_rw, uniform
 from ...gpu.device import Device
 from ...gpu.layout import Struct
 from ...gpu.passes import ComputePass
@@ -19,8 +20,6 @@ from ...simulator.camera import pack_normals
 from ...simulator.grid import Grid
 from ...simulator.lpv.emitted import Emitted, environment_records, particle_records, patch_records
 from .constants import GRID, SH_CONSTANTS, grids_binding
-from .injection import atomic_words
-from .sources import SOURCE, VplSource, group_sources
 
 # A record: simulator/lpv/emitted.py says what its light is. axis: octahedral.
 EMITTED = Struct("Emitted", position="vec3f", axis="u32", flux="vec3f", beam="f32")

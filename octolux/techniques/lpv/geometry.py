@@ -9,7 +9,7 @@ import numpy as np
 from ...frame.frame import Frame
 from ...frame.scene_surfels import SceneSurfels
 from ...frame.structs import VIEW, VPL, views_binding
-from ...gpu.bindings import Binding, storage, storage_rw, texture, uniform
+from ...gpu.bindings import Binding, atomic_words, storage, storage_rw, texture, uniform
 from ...gpu.device import Device
 from ...gpu.layout import Struct
 from ...gpu.limits import DEFAULT_LIMITS
@@ -19,7 +19,7 @@ from ...simulator.lpv.geometry import BEHIND
 from ...simulator.rsm import MIN_COSINE
 from .constants import GRID, grids_binding
 from .downsampling import Downsampling
-from .injection import RUN, atomic_words, walks
+from .injection import RUN, walks
 from .levels import ROW, Levels
 from .surfels import surfel_buffers
 

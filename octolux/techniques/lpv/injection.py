@@ -7,13 +7,13 @@ from typing import Any
 
 from ...frame.structs import VPL
 from ...frame.traits import TRAIT_VALUES
-from ...gpu.bindings import Binding, storage_rw, uniform
+from ...frame.vpl_sources import SOURCE, VplSource, group_sources
+from ...gpu.bindings import atomic_words, storage_rw, uniform
 from ...gpu.device import Device
 from ...gpu.passes import ComputePass
 from ...gpu.records import records, words
 from ...gpu_scene.structs import INSTANCE
 from .constants import GRID, SH_CONSTANTS, grids_binding
-from .sources import SOURCE, VplSource, group_sources
 
 __all__ = ["Injection", "VplSource"]
 
@@ -23,12 +23,6 @@ RUN = 16  # VPLs that a thread walks over: 262,144 are still 256 workgroups
 def walks(count: int, width: int) -> int:
     """Threads that walk over `count` texels of maps that are `width` wide, each down RUN texels of a column."""
     return -(-count // (RUN * width)) * width
-
-
-def atomic_words(name: str, kind: str) -> Binding:
-    """A buffer of atomic words: "i32" or "u32"."""
-    text = f"var<storage, read_write> {name}: array<atomic<{kind}>>;"
-    return Binding(name, text, "read_write", {"buffer": {"type": "storage"}})
 
 
 class Injection:

@@ -8,7 +8,7 @@ from ...frame.frame import Frame
 from ...frame.scene_surfels import SceneSurfels
 from ...frame.structs import VIEW, VPL, views_binding
 from ...frame.traits import PIXEL_STRUCTS, TRAIT_VALUES, pixel_bindings, pixel_resources
-from ...gpu.bindings import storage, storage_rw, texture, uniform
+from ...gpu.bindings import atomic_words, storage, storage_rw, texture, uniform
 from ...gpu.device import Device, DeviceError
 from ...gpu.limits import DEFAULT_LIMITS
 from ...gpu.passes import ComputePass
@@ -19,7 +19,7 @@ from ...simulator.lpv.reflectors import MOST_WALLS
 from ...simulator.rsm import MIN_COSINE
 from .constants import GRID, grids_binding
 from .geometry import SURFELS
-from .injection import RUN, atomic_words, walks
+from .injection import RUN, walks
 from .levels import Levels
 from .surfels import SurfelBuffer, surfel_buffers
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from math import pi
+from dataclasses import replace
 
 import numpy as np
 
 from ...frame.frame import Frame
+from ...frame.vpl_sources import VplSource, vpl_sources
 from ...scene.lights import DirectionalLight
 from ...simulator.grid import Grid
-from .injection import VplSource
 
 
 def scene_grid(frame: Frame, n: int) -> Grid:
@@ -20,15 +20,12 @@ def scene_grid(frame: Frame, n: int) -> Grid:
     return Grid.around(low, high, n)
 
 
-def vpl_sources(frame: Frame, grid: Grid, injection: str) -> list[VplSource]:
+def injected_sources(frame: Frame, grid: Grid, injection: str) -> list[VplSource]:
     """The VPLs of each light. injection: "flux" keeps it, 1/pi; in the "thesis" the factor is 1. There a directional
     light's flux is I A w with the texel weight w = texel area over cell area (OLPV 3.2.2): ours holds I A times the
     texel's area, so 1 / cell area is left."""
-    sources = []
-    lights = zip(frame.vpl_ranges, frame.vpl_widths, frame.lights.total_flux, frame.lights.lights, strict=True)
-    for (first, count), width, flux, light in lights:
-        factor = 1.0 / pi
-        if injection == "thesis":
-            factor = 1.0 / grid.cell_size**2 if isinstance(light, DirectionalLight) else 1.0
-        sources.append(VplSource(first, count, flux, factor, width))
-    return sources
+    sources = vpl_sources(frame)
+    if injection == "flux":
+        return sources
+    factors = [1.0 / grid.cell_size**2 if isinstance(x, DirectionalLight) else 1.0 for x in frame.lights.lights]
+    return [replace(source, intensity_per_flux=f) for source, f in zip(sources, factors, strict=True)]

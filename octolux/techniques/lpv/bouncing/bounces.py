@@ -6,13 +6,12 @@ from math import pi
 from typing import Any
 
 from ....frame.frame import COPY, STORAGE, TEXTURE
-from ....gpu.bindings import sampler, storage, storage_rw, storage_texture, texture
+from ....gpu.bindings import atomic_words, sampler, storage, storage_rw, storage_texture, texture
 from ....gpu.device import Device
 from ....gpu.passes import ComputePass
 from ....simulator.lpv.octree import level_sizes
 from ..constants import SH_CONSTANTS
 from ..gathering.gathering import Gathering
-from ..injection import atomic_words
 from ..levels import Levels
 from ..reflectors import Reflectors
 from ..windows import WINDOW, windows_binding

@@ -16,7 +16,7 @@ from ..glossy.glossy import Glossy
 from ..injection import Injection
 from ..levels import Levels
 from ..reflectors import Reflectors
-from ..volume import vpl_sources
+from ..volume import injected_sources
 from .air import AirLight
 from .cascades import Cascades
 from .emitted_light import EmittedLight
@@ -67,7 +67,7 @@ class CascadedGathering:
         profiler, grids = frame.profiler, self.cascades.grids
         grids_buffer, windows = self.cascades.grids_buffer, self.cascades.windows_buffer
         with profiler.stage("injection") as stage:
-            sources = vpl_sources(frame, grids[-1], self.settings.injection)
+            sources = injected_sources(frame, grids[-1], self.settings.injection)
             self.injection.run(stage, grids_buffer, frame.vpls, sources, frame.vpl_surfaces)
             self.emitted.run(stage, frame, self.injection)
         self.surfaces.update(frame, grids, grids_buffer)

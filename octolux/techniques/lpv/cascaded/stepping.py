@@ -17,7 +17,7 @@ from ..levels import Levels
 from ..lookup import Lookup
 from ..propagation import Propagation
 from ..reflectors import Reflectors
-from ..volume import vpl_sources
+from ..volume import injected_sources
 from .cascades import Cascades
 from .emitted_light import EmittedLight
 from .settings import CascadedLpvSettings
@@ -69,7 +69,7 @@ class CascadedStepping:
     def update(self, frame: Frame) -> None:
         profiler, grids = frame.profiler, self.cascades.grids
         with profiler.stage("injection") as stage:
-            sources = vpl_sources(frame, grids[-1], self.settings.injection)
+            sources = injected_sources(frame, grids[-1], self.settings.injection)
             self.injection.run(stage, self.cascades.grids_buffer, frame.vpls, sources, frame.vpl_surfaces)
             self.emitted.run(stage, frame, self.injection)
         self.surfaces.update(frame, grids, self._aside_buffer)

@@ -7,7 +7,7 @@ from typing import Any
 
 from ....frame.frame import COPY, STORAGE, TEXTURE, Frame
 from ....frame.structs import VIEW, views_binding
-from ....gpu.bindings import sampler, storage, storage_rw, storage_texture, texture
+from ....gpu.bindings import atomic_words, sampler, storage, storage_rw, storage_texture, texture
 from ....gpu.device import Device
 from ....gpu.layout import Struct
 from ....gpu.passes import ComputePass
@@ -16,7 +16,6 @@ from ....simulator.lpv import cones, corners, gathering
 from ....simulator.lpv.cascades import transition
 from ..constants import GRID, SH_CONSTANTS, grids_binding
 from ..downsampling import Downsampling
-from ..injection import atomic_words
 from ..levels import ROW, Levels
 from ..windows import WINDOW, one_window, windows_binding
 

@@ -2,7 +2,7 @@
 // At a share of the resolution only the light, the lobe's direction and the depth that they belong to are kept.
 {{ use("shaders/view.wgsl") }}
 {{ use("techniques/lpv/storage_scale.wgsl") }}
-{{ use("techniques/lpv/glossy/reflection.wgsl") }}
+{{ use("shaders/reflection.wgsl") }}
 {{ use("techniques/lpv/place.wgsl") }}
 {{ use("techniques/lpv/glossy/%s.wgsl" % march) }}
 

@@ -1,7 +1,7 @@
 // Light of every pixel from that of a share of them: of the four around it those that are as far away (joint bilateral
 // upsampling, Kopf et al. 2007), times the pixel's own albedo of the specular lobe.
 {{ use("shaders/view.wgsl") }}
-{{ use("techniques/lpv/glossy/reflection.wgsl") }}
+{{ use("shaders/reflection.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) pixel: vec3u) {

@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from ....gpu.bindings import storage, storage_rw, storage_texture
+from ....gpu.bindings import atomic_words, storage, storage_rw, storage_texture
 from ....gpu.device import Device
 from ....gpu.passes import ComputePass
 from ....simulator.lpv import transfer
 from ....simulator.lpv.octree import level_sizes
 from ..constants import propagation_values, storage_scale
-from ..injection import atomic_words
 from ..levels import ROW, Levels
 from ..lookup import CHANNELS, Lookup
 from ..propagation import CELL_BYTES, CELL_TYPES

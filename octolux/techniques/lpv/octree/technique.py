@@ -18,7 +18,7 @@ from ..geometry import GeometryVolume
 from ..injection import Injection
 from ..levels import Levels
 from ..surfels import SAMPLES
-from ..volume import scene_grid, vpl_sources
+from ..volume import injected_sources, scene_grid
 from .settings import OctreeLpvSettings
 from .sparse import SparseStepping
 from .stepping import Stepping
@@ -76,7 +76,7 @@ class OctreeLpv(Technique):
     def update(self, frame: Frame) -> None:
         profiler = frame.profiler
         with profiler.stage("injection") as stage:
-            sources = vpl_sources(frame, self.grid, self.settings.injection)
+            sources = injected_sources(frame, self.grid, self.settings.injection)
             self.injection.run(stage, self._grid_buffer, frame.vpls, sources)
         if self.scene_surfels:
             self.scene_surfels.run(frame, np.array(self.grid.origin), self.grid.cell_size / SAMPLES)

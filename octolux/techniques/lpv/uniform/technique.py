@@ -13,7 +13,7 @@ from ..constants import GRID, pack_grid, storage_scale
 from ..injection import Injection
 from ..lookup import Lookup
 from ..propagation import Propagation
-from ..volume import scene_grid, vpl_sources
+from ..volume import injected_sources, scene_grid
 from .settings import UniformLpvSettings
 
 
@@ -47,7 +47,7 @@ class UniformLpv(Technique):
 
     def update(self, frame: Frame) -> None:
         with frame.profiler.stage("injection") as stage:
-            sources = vpl_sources(frame, self.grid, self.settings.injection)
+            sources = injected_sources(frame, self.grid, self.settings.injection)
             self.injection.run(stage, self._grid_buffer, frame.vpls, sources)
         with frame.profiler.stage("propagation") as stage:
             self.propagation.run(stage, self.injection.injected, self.injection.peak, self.settings.iterations)

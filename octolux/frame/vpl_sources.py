@@ -8,8 +8,9 @@ from math import inf, pi
 
 import numpy as np
 
-from ...gpu.layout import Struct
-from ...simulator.lpv.injection import INT32_MAX, fixed_point_scale
+from ..gpu.layout import Struct
+from ..simulator.lpv.injection import INT32_MAX, fixed_point_scale
+from .frame import Frame
 
 # The count VPLs from number `first` on, in rows of `width`. scale: from flux to fixed point; to_intensity: back.
 # moment_scale: of the intensity of all channels together, times a place in the cell.
@@ -102,3 +103,9 @@ def group_sources(sources: Sequence[VplSource]) -> list[SourceGroup]:
         else:
             groups.append(SourceGroup([source], *SourceGroup.bounds(source)))
     return groups
+
+
+def vpl_sources(frame: Frame) -> list[VplSource]:
+    """The VPLs of each of the frame's lights."""
+    lights = zip(frame.vpl_ranges, frame.vpl_widths, frame.lights.total_flux, strict=True)
+    return [VplSource(first, count, flux, width=width) for (first, count), width, flux in lights]

@@ -1,0 +1,249 @@
+"""Cones through voxels: what a point receives and reflects of the light around it (Drinovsky 2013, "VCT", 5.6).
+
+Directions. `count` diffuse cones have equal shares of the hemisphere's projected area (the unit disc, Nusselt 1928), so
+that each weighs pi / count and even light arrives exactly. A cone is as wide as a disc of its share: sin(half) =
+1 / sqrt(count), 20.7 degrees for 8. PHASES sets of such cones lie between one another, and pixels of a 4 x 4 tile take
+one each: the mean over a window as large has 16 times as many directions.
+
+Sizes. The thesis reads voxels as wide as the cone. A trilinear sample is a tent of their edge s to either side, of
+variance s^2 / 6 along each axis; a disc of diameter d has d^2 / 16: s = SIZE d blurs as much as the cone does.
+
+Cover. Voxels hold shares of their sections, so opacity times steps in voxels adds up to the number of surfaces that a
+ray meets on the average. They cover what is left of it until nothing is: `surfaces`. That does not depend on the step,
+and a wall one voxel thick lets nothing through wherever samples fall, as tents along a way add up to 1. In `medium`
+each sample lets (1 - opacity)^step through. Of that wall's tents exp(-2) = 13 % pass then, the mean of log(1 - tent)
+over its width being -1: it is right for leaves and fog, whose layers do not know of each other.
+
+Distance from the own surface. What a thin surface faces on its other side would hide half of the hemisphere from a cone
+that leaves it: at every level grazing cones are lower above it than voxels are wide. Samples are therefore lifted to
+CLEAR voxels of their level above the plane that their cone starts on, where they read nothing of it.
+
+A sample stands for the way to the next one, as long as its distance. So where a wall falls between two samples, of
+which either sees it through a half of its tent, they cover it together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import asin, ceil, pi, sqrt, tan
+from typing import NamedTuple
+
+import numpy as np
+
+from ..brdf import alpha_of
+from ..lpv.glossy import CONE, reflected_direction
+
+SIZE = sqrt(3.0 / 8.0)
+PHASES = 16
+LEFT = 2.0**-9
+"""Share of a ray that is no longer followed: half a step of an 8-bit picture."""
+CLEAR = 1.5
+"""Voxels: a trilinear sample reaches one to either side, and a surface lies up to half of one off the middle of its
+own; along a normal that is not along an axis as many times more as the sum of its parts."""
+COVERS = ("surfaces", "medium")
+CONE_TURN = 0.5 * (sqrt(5.0) - 1.0)  # of a circle, from cone to cone: the golden ratio spreads any number of them
+PHASE_TURN = 0.7548776662466927  # from phase to phase: 1 / x of x^3 = x + 1, which does not chime with the golden ratio
+
+Read = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
+"""Of points (m, 3), in voxels of level 0, levels (m,) and unit directions (m, 3): radiance times opacity (m, k), and
+opacity (m,), on a way as long as an edge of the level's voxels."""
+
+
+def half_angle(count: int) -> float:
+    """Of a diffuse cone's axis and its side, radians. Raises ValueError for a count other than 4 to 16."""
+    if not 4 <= count <= 16:
+        raise ValueError(f"there are 4 to 16 diffuse cones, not {count}")
+    return asin(1.0 / sqrt(count))
+
+
+def phase_shift(phase: int) -> tuple[float, float]:
+    """How far a phase's cones are moved: outwards on the disc, in shares of a cone's area, and around, in turns."""
+    reversed_bits = int(f"{phase:04b}"[::-1], 2)
+    return (reversed_bits + 0.5) / PHASES, (phase * PHASE_TURN) % 1.0
+
+
+def directions(count: int, phase: int) -> np.ndarray:
+    """Unit vectors (count, 3) around +z: each in its own ring of the disc, all rings of one area."""
+    outwards, around = phase_shift(phase)
+    square = (np.arange(count) + outwards) / count
+    angle = 2.0 * pi * (np.arange(count) * CONE_TURN + around)
+    radius = np.sqrt(square)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1.0 - square)], axis=-1)
+
+
+class Sample(NamedTuple):
+    """A sample of a cone: where, in voxels of level 0 from its start; on which level; and the length of the way for
+    which it stands, in voxels of that level."""
+
+    distance: float
+    level: int
+    step: float
+
+
+def first_distance(count: int, width: float) -> float:
+    """Voxels of level 0 from a cone's start to where they are as large as it wants."""
+    return 1.0 / (width * SIZE * 2.0 * tan(half_angle(count)))
+
+
+def near_samples(count: int, width: float = 1.0) -> list[Sample]:
+    """The first samples of each of `count` cones: adjacent, of level 0, up to where its voxels are as large as the cone
+    wants. width: of what is read, over what blurs as much as the cone does."""
+    first = first_distance(count, width)
+    near = ceil(first - 0.5)
+    return [Sample((i + 0.5) * first / near, 0, first / near) for i in range(near)]
+
+
+def first_level_samples(count: int, per_level: int, width: float = 1.0) -> list[Sample]:
+    """Those after them, `per_level` up to where the cone wants voxels twice as large; on each further level they are
+    twice as far away. Each stands for the way to the next."""
+    first = first_distance(count, width)
+    return [Sample(first * (1.0 + i / per_level), 0, first / per_level) for i in range(per_level)]
+
+
+def diffuse_samples(count: int, depth: int, per_level: int = 2, width: float = 1.0) -> list[Sample]:
+    """Of each of `count` cones through (2^depth)^3 voxels, whose coarsest level has 2^3: so that voxels match the cone
+    (VCT 5.6), as far as the cube reaches."""
+    found, level = near_samples(count, width), 0
+    while found[-1].distance < sqrt(3.0) * 2**depth:
+        size, top = 2.0**level, min(level, depth - 1)
+        own = first_level_samples(count, per_level, width)
+        found += [Sample(s.distance * size, top, s.step * size / 2.0**top) for s in own]
+        level += 1
+    return found
+
+
+@dataclass(frozen=True)
+class Traced:
+    """radiance: (m, k), of what rays have met, for what it covers of them.  left: (m,), the share that met nothing."""
+
+    radiance: np.ndarray
+    left: np.ndarray
+
+
+def _covered(traced: Traced, found: tuple[np.ndarray, np.ndarray], step, cover: str) -> Traced:
+    """step: in voxels of the level that was read."""
+    radiance, opacity = found
+    if cover == "surfaces":
+        share = np.minimum(traced.left, opacity * step)
+    else:
+        share = traced.left * (1.0 - (1.0 - np.minimum(opacity, 1.0)) ** step)
+    scale = np.where(opacity > 0.0, share / np.where(opacity > 0.0, opacity, 1.0), 0.0)
+    return Traced(traced.radiance + scale[:, None] * radiance, traced.left - share)
+
+
+class Plane(NamedTuple):
+    """Of the surfaces that cones start on: unit normals (m, 3), and how far above it that is, voxels of level 0."""
+
+    normals: np.ndarray
+    height: float
+
+
+def _lifted(points, plane: Plane | None, travelled, towards, size, n: int) -> np.ndarray:
+    """Points (m, 3) that are CLEAR voxels of an edge of `size` above the plane, or as high as they are."""
+    if plane is None:
+        return points
+    height = plane.height + travelled * np.sum(towards * plane.normals, axis=-1)
+    lack = np.maximum(CLEAR * size * np.abs(plane.normals).sum(axis=-1) - height, 0.0)
+    return np.clip(points + lack[:, None] * plane.normals, 0.0, n)
+
+
+def trace(
+    read: Read, start, towards, samples: Sequence[Sample], n: int, cover: str = "surfaces", plane: Plane | None = None
+) -> Traced:  # fmt: skip
+    """Wide cones from points `start` (m, 3), voxels, along unit `towards` (m, 3), through n^3 voxels. plane: that they
+    start on, if any.
+
+    The last sample of a cone is where it leaves them, for the way from the one before, of whose level it is.
+    """
+    reach, traced, before = way_out(start, towards, n), None, Sample(0.0, 0, 0.0)
+    for sample in samples:
+        leaves = sample.distance > reach
+        travelled = np.minimum(sample.distance, reach)
+        level = np.where(leaves, float(before.level), float(sample.level))
+        points = _along(start, towards, travelled, n)
+        found = read(_lifted(points, plane, travelled, towards, 2.0**level, n), level, towards)
+        traced = traced or Traced(np.zeros_like(found[0]), np.ones(len(start)))
+        step = np.where(leaves, np.maximum(reach - before.distance, 0.0) / 2.0**before.level, sample.step)
+        traced, before = _covered(traced, found, step, cover), sample
+    assert traced
+    return traced
+
+
+def _along(start, towards, distance: np.ndarray, n: int) -> np.ndarray:
+    """Points (m, 3) on ways that end on the border, which rounding would place outside."""
+    return np.clip(start + distance[:, None] * towards, 0.0, n)
+
+
+def way_out(start, towards, n: int) -> np.ndarray:
+    """Voxels from points (m, 3) along unit directions (m, 3) to the border of a grid of n^3; 0 outside."""
+    steep = np.where(np.abs(towards) > 1e-12, towards, 1e-12)
+    return np.maximum(((np.where(steep > 0.0, n, 0.0) - start) / steep).min(axis=1), 0.0)
+
+
+def basis(normals) -> np.ndarray:
+    """Matrices (m, 3, 3) whose columns are two tangents and the unit normal (m, 3) (Duff et al. 2017)."""
+    n = np.asarray(normals, dtype=np.float64)
+    side = np.where(n[:, 2] >= 0.0, 1.0, -1.0)
+    a = -1.0 / (side + n[:, 2])
+    b = n[:, 0] * n[:, 1] * a
+    tangent = np.stack([1.0 + side * n[:, 0] ** 2 * a, side * b, -side * n[:, 0]], axis=-1)
+    return np.stack([tangent, np.stack([b, side + n[:, 1] ** 2 * a, -n[:, 1]], axis=-1), n], axis=-1)
+
+
+def above(towards, geometric) -> np.ndarray:
+    """Directions that shading normals turn below the surface, mirrored to above it: (m, 3)."""
+    return towards - 2.0 * np.minimum(0.0, np.sum(towards * geometric, axis=-1, keepdims=True)) * geometric
+
+
+def gather(
+    read: Read, depth: int, points, normals, geometric=None, *, count: int = 8, phases: Sequence[int] = range(PHASES),
+    per_level: int = 2, width: float = 1.0, offset: float = 1.0, cover: str = "surfaces", sky: Callable | None = None,
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Irradiance (m, k), radiance's unit times sr, and ambient visibility (m,) at points (m, 3) in voxels.
+
+    normals, geometric: unit (m, 3), of the shading and, where they differ, of the surface.  phases: whose mean is
+    taken.  per_level, width: as in `first_level_samples`, `near_samples`.  offset: voxels along the surface's normal
+    from which cones start.  sky: radiance (m, k) of unit directions (m, 3), of what is left of cones.
+    """
+    normals = np.asarray(normals, dtype=np.float64)
+    geometric = normals if geometric is None else np.asarray(geometric, dtype=np.float64)
+    start = np.asarray(points, dtype=np.float64) + offset * geometric
+    frames, samples = basis(normals), diffuse_samples(count, depth, per_level, width)
+    visible, weight = np.zeros(len(start)), 1.0 / (count * len(phases))
+    irradiance: np.ndarray = np.zeros(1)
+    for direction in np.concatenate([directions(count, phase) for phase in phases]):
+        towards = above(frames @ direction, geometric)
+        traced = trace(read, start, towards, samples, 2**depth, cover, Plane(geometric, offset))
+        radiance = traced.radiance + (traced.left[:, None] * sky(towards) if sky else 0.0)
+        irradiance, visible = irradiance + pi * weight * radiance, visible + weight * traced.left
+    return irradiance, visible
+
+
+def specular_light(
+    read: Read, depth: int, points, normals, geometric, to_eye, roughness, *, offset: float = 1.0, step: float = 1.0,
+    cover: str = "surfaces",
+) -> tuple[np.ndarray, Traced]:  # fmt: skip
+    """Directions (m, 3) and what a cone along each brings, before the BRDF's albedo, to points (m, 3) in voxels.
+
+    The lobe's direction and width are those of simulator/lpv/glossy.py: CONE alpha is the edge of voxels that resolve a
+    GGX lobe, over the distance. Samples are adjacent (VCT 5.6), `step` voxels of their level apart.
+    """
+    towards = reflected_direction(to_eye, normals, geometric, roughness)
+    start = np.asarray(points, dtype=np.float64) + offset * np.asarray(geometric, dtype=np.float64)
+    plane = Plane(np.asarray(geometric, dtype=np.float64), offset)
+    widening = CONE * np.broadcast_to(alpha_of(roughness), len(start))
+    reach, travelled, traced = way_out(start, towards, 2**depth), np.zeros(len(start)), None
+    going = np.ones(len(start), bool)
+    while going.any():
+        level = np.minimum(np.log2(np.maximum(widening * travelled, 1.0)), depth - 1.0)
+        size = 2.0**level
+        at = np.minimum(travelled + 0.5 * step * size, reach)
+        points = _along(start, towards, at, 2**depth)
+        found = read(_lifted(points, plane, at, towards, size, 2**depth), level, towards)
+        traced = traced or Traced(np.zeros_like(found[0]), np.ones(len(start)))
+        going = (travelled < reach) & (traced.left > LEFT)
+        traced = _covered(traced, found, np.where(going, step, 0.0), cover)
+        travelled = travelled + step * size
+    assert traced
+    return towards, traced

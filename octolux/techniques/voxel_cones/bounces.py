@@ -1,0 +1,72 @@
+"""Further bounces: voxels gather light through cones, and send it again (VCT 7.2)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...gpu.bindings import storage, storage_rw, uniform
+from ...gpu.device import Device
+from ...gpu.layout import Struct
+from ...gpu.limits import DEFAULT_LIMITS
+from ...gpu.passes import ComputePass
+from ...gpu.profiler import Profiler
+from ...gpu.records import records, words
+from .gathering import Voxels, cone_values, wide_cones
+from .octree import directory_binding
+from .pools import OWN, ROW, WORKGROUP, Pool, threads
+from .reading import Reading
+from .structure import VOXEL, VoxelOctree
+
+# Bricks of level 0 and of the coarse level, the first and how many. first_leaf: node of level 0. per_unit: 1 / nits.
+BOUNCE = Struct(
+    "Bounce", first="u32", count="u32", coarse_first="u32", coarse_count="u32", first_leaf="u32", per_unit="f32"
+)
+CONES, PER_LEVEL, WIDTH = 8, 2, 1.0  # what arrives is spread over a coarse voxel: the cheapest cones will do
+
+
+class Bounces:
+    """Adds to what was injected what voxels reflect of it, `count` times: the same light from scratch in every frame.
+
+    level: of the voxels that gather; those of level 0 in them reflect, each with its own albedo, what these receive. A
+    voxel receives a mean of radiances that others send, so no bounce is brighter than its light.
+    """
+
+    def __init__(self, device: Device, octree: VoxelOctree, reading: Reading, count: int, level: int):
+        self.device, self.octree, self._reading, self._count, self._level = device, octree, reading, count, level
+        most = DEFAULT_LIMITS["max-storage-buffer-binding-size"] // (4 * OWN)
+        self._received = Pool("bricks", lambda n: device.buffer("voxel light", size=4 * OWN * n), limit=most)
+        voxels = Voxels(octree.depth, reading.file, reading.bindings, reading.structs, reading.values)
+        own = [uniform("bounce", BOUNCE), storage("owners", "u32"), storage("codes", "u32"), storage("facing", "vec2u")]
+        self._receive = ComputePass(
+            device, "receive", "techniques/voxel_cones/receive.wgsl",
+            [*own, *reading.bindings, storage_rw("received", "u32", "write")], structs=[BOUNCE, *reading.structs],
+            workgroup=WORKGROUP, row=ROW, level=level, **wide_cones(CONES, PER_LEVEL, WIDTH),
+            **cone_values(voxels, 1.0, "surfaces"),
+        )  # fmt: skip
+        self._reflect = ComputePass(
+            device, "reflect", "techniques/voxel_cones/reflect.wgsl",
+            [*own, directory_binding(), words("leaves"), records("voxels", VOXEL), storage("ways", "u32"),
+             storage("received", "u32"), storage("injected_light", "u32"), storage_rw("light", "u32", "write")],
+            structs=[BOUNCE, VOXEL], workgroup=WORKGROUP, level=level, **{**octree.octree.values, "row": ROW},
+        )  # fmt: skip
+
+    def run(self, profiler: Profiler, injected: Any, unit: float) -> None:
+        """Light is injected (buffer `injected`, of the bricks of level 0) and filtered; so it is again afterwards."""
+        bricks, counts = self.octree.bricks, self.octree.octree.counts
+        (first, count), (coarse_first, coarse_count) = bricks.levels[0], bricks.levels[self._level]
+        self._received.need(coarse_count)
+        given = self.device.uniform("voxel light", BOUNCE.pack(
+            first=first, count=count, coarse_first=coarse_first, coarse_count=coarse_count,
+            first_leaf=counts.levels[0][0], per_unit=1.0 / unit,
+        ))  # fmt: skip
+        own = {"bounce": given, "owners": bricks.owners.resource, "codes": self.octree.octree.codes.resource,
+               "facing": bricks.facing.resource, "received": self._received.resource}  # fmt: skip
+        for _ in range(self._count):
+            with profiler.stage("bounces") as stage:
+                self._receive.run(stage, threads(OWN * coarse_count), **own, **self._reading.resources)
+                self._reflect.run(
+                    stage, threads(OWN * count), **own, directory=self.octree.octree.directory,
+                    leaves=self.octree.octree.leaves.resource, voxels=self.octree.voxels.resource,
+                    ways=bricks.ways.resource, injected_light=injected, light=bricks.light.resource,
+                )  # fmt: skip
+                self.octree.filtering.everything(stage, unit)

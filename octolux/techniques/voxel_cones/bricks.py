@@ -1,0 +1,137 @@
+"""Bricks of an octree's nodes: what faces each of six ways, and the light that is sent there (VCT 5.3, 5.4)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...frame.frame import COPY, STORAGE, TEXTURE
+from ...gpu.bindings import storage, storage_rw, uniform
+from ...gpu.device import Device
+from ...gpu.layout import Struct
+from ...gpu.limits import DEFAULT_LIMITS
+from ...gpu.passes import ComputePass
+from ...gpu.profiler import Profiler
+from ...gpu.records import record_texture
+from ...raytracing.scan import BLOCK, PARAMETERS, PrefixSum
+from .octree import LABEL, Octree, directory_binding
+from .pools import OWN, ROW, WORKGROUP, Pool, parameters, threads
+
+# first: brick of a node; ways: bits, which of the six have one; scales: of those of +x, +y, +z, and of -x, -y, -z, 8
+# bits each (octree.wgsl).
+NODE = Struct("Node", first="u32", ways="u32", scales_up="u32", scales_down="u32")
+EDGE = 3
+"""Texels along the edge of a brick."""
+BRICKS_ROW = 128  # bricks along x and y of their texture
+_BRICKS_LAYER = BRICKS_ROW**2
+_BUFFER = DEFAULT_LIMITS["max-storage-buffer-binding-size"]
+PARAMETERS_OF = uniform("parameters", PARAMETERS)
+
+
+def brick_texture(device: Device, count: int) -> Any:
+    """A 3D texture for `count` bricks, or more: light that is sent a way, as shares of scales, and what faces it. Its
+    depth is a power of two: so coordinates along it are exact, and samples the same bits, however much room there is.
+    """
+    depth = 1 << (EDGE * -(-count // _BRICKS_LAYER) - 1).bit_length()
+    size = (EDGE * BRICKS_ROW, EDGE * BRICKS_ROW, depth)
+    return device.texture("voxel bricks", size, "rgba8unorm", usage=STORAGE | TEXTURE | COPY, dimension="3d")
+
+
+def _borrowed() -> list[list[int]]:
+    """For templates: which of the eight voxels of each neighbour at a node's upper sides are in its bricks; number 0 is
+    the node itself."""
+    return [[voxel for voxel in range(OWN) if not voxel & number] for number in range(OWN)]
+
+
+class Bricks:
+    """facing: vec2u of the eight voxels that each node owns (facing.wgsl).  ways: u32 of each node, number of its first
+    brick << 6 | which ways it has.  owners: u32 of each brick, its node << 3 | its way.  light: u32 of the eight voxels
+    that each brick's node owns, what they send its way, radiance times share of section, as a share of a unit
+    (bright.wgsl).  touched: u32 of each node, not 0 where its light is to be made anew.  levels: first
+    and number of bricks of each level, from level 0.
+    """
+
+    def __init__(self, device: Device, octree: Octree):
+        self.device, self.octree = device, octree
+        octree.values.update(bricks_row=BRICKS_ROW)
+        self.levels: tuple[tuple[int, int], ...] = ((0, 0),) * octree.depth
+
+        def words(count: int) -> Any:
+            return device.buffer(LABEL, size=4 * count)
+
+        most = min(_BRICKS_LAYER * (DEFAULT_LIMITS["max-texture-dimension-3d"] // EDGE), _BUFFER // (4 * OWN))
+        own = 8 * OWN  # bytes of what a node's voxels face
+        self.facing = Pool("nodes", lambda count: device.buffer(LABEL, size=own * count), limit=_BUFFER // own)
+        self.touched = Pool("nodes", words, limit=_BUFFER // 4)
+        self.ways = Pool("nodes", words, limit=_BUFFER // 4)
+        self.nodes = Pool("nodes", lambda count: record_texture(device, LABEL, NODE, count), limit=_BUFFER // 4)
+        self.owners, self.scales = Pool("bricks", words, limit=most), Pool("bricks", words, limit=most)
+        self.light = Pool("bricks", lambda count: device.buffer(LABEL, size=4 * OWN * count), limit=most)
+        self.bricks = Pool("bricks", lambda count: brick_texture(device, count), limit=most)
+        self._sums = PrefixSum(device, "u32")
+        self.pass_values: dict[str, Any] = {
+            "structs": [PARAMETERS, NODE], "workgroup": WORKGROUP, "row": ROW, "block": BLOCK,
+            "borrowed": _borrowed(), **octree.values,
+        }  # fmt: skip
+        self._make_passes()
+
+    def _make_passes(self) -> None:
+        fixed = self.pass_values
+        nodes = [PARAMETERS_OF, storage("codes", "u32"), directory_binding()]
+        out = {name: storage_rw(name, "u32", "write") for name in ("masks", "values", "ways", "owners")}
+        sums = [storage(name, "u32") for name in ("masks", "values", "totals")]
+        folder = "techniques/voxel_cones"
+        self._average = ComputePass(
+            self.device, "averaging", f"{folder}/average.wgsl", [*nodes, storage_rw("facing", "vec2u")], **fixed
+        )
+        self._ways = ComputePass(
+            self.device, "ways", f"{folder}/ways.wgsl",
+            [*nodes, storage("facing", "vec2u"), out["masks"], out["values"]], **fixed,
+        )  # fmt: skip
+        self._owners = ComputePass(
+            self.device, "owners", f"{folder}/owners.wgsl", [PARAMETERS_OF, *sums, out["ways"], out["owners"]], **fixed
+        )
+
+    def make_room(self) -> None:
+        """For the nodes of the octree; nothing faces any way."""
+        for pool in (self.facing, self.ways, self.nodes, self.touched):
+            pool.need(self.octree.counts.nodes)
+
+    def average(self, stage: Any) -> None:
+        """What faces each way, from level 0 up (VCT 5.4.3)."""
+        for first, count in self.octree.counts.levels[1:]:
+            self._average.run(stage, threads(OWN * count), parameters=parameters(self.device, count, first),
+                              facing=self.facing.resource, **self.of_nodes())  # fmt: skip
+
+    def number(self, profiler: Profiler) -> None:
+        """Give each way that a node has a brick, without light. The host waits, to learn how many there are. Raises
+        DeviceError when there are more than there can be room for."""
+        device, count, octree = self.device, self.octree.counts.nodes, self.octree
+        masks, sums = device.buffer("voxel build", size=4 * max(1, count)), self._sums.sums(max(1, count))
+        given = parameters(device, count)
+        starts = device.buffer("voxel build", size=8 * octree.depth + 4)
+        with profiler.stage("bricks") as stage:
+            self._ways.run(stage, threads(count), parameters=given, **self.of_nodes(), facing=self.facing.resource,
+                           masks=masks, values=sums.values)  # fmt: skip
+            self._sums.run(stage, sums, count, given)
+            places = [(sums.values, first) for first, _ in octree.counts.levels]
+            places += [(sums.totals, first // BLOCK) for first, _ in octree.counts.levels]
+            for i, (buffer, word) in enumerate([*places, (sums.totals, -(-count // BLOCK))]):
+                stage.encoder.copy_buffer_to_buffer(buffer, 4 * word, starts, 4 * i, 4)
+        profiler.submit()
+        read = np.frombuffer(device.queue.read_buffer(starts), np.uint32).astype(np.int64)
+        total = int(read[2 * octree.depth]) if count else 0
+        first = (read[: octree.depth] + read[octree.depth : 2 * octree.depth]).tolist() if count else [0] * octree.depth
+        self.levels = tuple((a, b - a) for a, b in zip(first, [total, *first], strict=False))
+        for pool in (self.owners, self.scales, self.light, self.bricks):
+            pool.need(total)
+        with profiler.stage("bricks") as stage:
+            stage.encoder.clear_buffer(self.light.resource)
+            stage.encoder.clear_buffer(self.touched.resource)
+            self._owners.run(stage, threads(count), parameters=given, masks=masks, values=sums.values,
+                             totals=sums.totals, ways=self.ways.resource, owners=self.owners.resource)  # fmt: skip
+
+    def of_nodes(self) -> dict[str, Any]:
+        """What passes over nodes need."""
+        return {"codes": self.octree.codes.resource, "directory": self.octree.directory}

@@ -1,0 +1,31 @@
+// Voxels of level 0: where they are in the pools, and which one a point of a surface lies in.
+{{ use("techniques/voxel_cones/octree.wgsl") }}
+{{ use("techniques/voxel_cones/columns.wgsl") }}
+
+// node: of level 0, and which of its eight voxels; number: of the voxel's record. NO_NODE where it is not occupied.
+struct Leaf { node: u32, corner: u32, number: u32 }
+
+fn leaf_at(voxel: vec3i) -> Leaf {
+    let cell = vec3u(clamp(voxel, vec3i(0), vec3i({{ 2**depth - 1 }})));
+    let corner = (cell.x & 1u) | ((cell.y & 1u) << 1u) | ((cell.z & 1u) << 2u);
+    let node = node_of(code_of({{ depth - 1 }}u, cell >> vec3u(1u)));
+    let leaf = load_leaves(select(node - cube.first_leaf, 0u, node == NO_NODE));
+    let there = node != NO_NODE && ((leaf >> corner) & 1u) == 1u && all(vec3i(cell) == voxel);
+    return Leaf(select(NO_NODE, node, there), corner, (leaf >> 8u) + countOneBits(leaf & ((1u << corner) - 1u)));
+}
+
+// The voxel of a point, in voxels, on a surface across `normal`: that of the column's fragment, as its plane passes the
+// middle. Where the surface bends, or another point of it was taken, it is the next one farther, or nearer.
+fn leaf_of_surface(p: vec3f, normal: vec3f) -> Leaf {
+    let axis = dominant_axis(normal);
+    let voxel = turned(floor(p), axis);
+    let n = turned(normal, axis);
+    let at = turned(p, axis);
+    let depth = at.z - dot(voxel.xy + 0.5 - at.xy, n.xy / n.z);
+    let middle = vec3i(vec3f(voxel.xy, floor(depth + {{ bias }})));
+    let found = leaf_at(turned_back(middle, axis));
+    if found.node != NO_NODE { return found; }
+    let above = leaf_at(turned_back(middle + vec3i(0, 0, 1), axis));
+    if above.node != NO_NODE { return above; }
+    return leaf_at(turned_back(middle - vec3i(0, 0, 1), axis));
+}

@@ -1,0 +1,27 @@
+// Marks the voxels that fragments lie in, cut out or not: a bit for each.
+{{ use("raytracing/world_triangle.wgsl") }}
+{{ use("techniques/voxel_cones/codes.wgsl") }}
+{{ use("techniques/voxel_cones/fragments.wgsl") }}
+
+@compute @workgroup_size({{ workgroup }})
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    let tile = id.x + {{ row }}u * id.y;
+    if tile >= parameters.second { return; }
+    let index = triangle_of(tile, parameters.count);
+    let corners = world_triangle(load_ids(index));
+    let t = projected(to_voxels(corners.a), to_voxels(corners.b), to_voxels(corners.c));
+    let columns = tile_columns(columns_of(t), tile - load_starts(index));
+    var at = vec2u(0u);
+    loop {
+        let column = columns.first + vec2i(at);
+        let voxel = voxel_of(t, column);
+        if covered(t, column).samples > 0u && in_cube(voxel) {
+            let code = code_of({{ depth }}u, vec3u(voxel));
+            atomicOr(&occupied[code >> 5u], 1u << (code & 31u));
+        }
+        at.x += 1u;
+        let next = at.x == columns.size.x;
+        at = select(at, vec2u(0u, at.y + 1u), next);
+        if at.y >= columns.size.y { break; }
+    }
+}

@@ -1,0 +1,28 @@
+// What is seen by a pixel of a picture of each {{ resolution }}th row and column, and where its cones start.
+{% if sky %}{{ use("shaders/environment.wgsl") }}{% endif %}
+
+// there: a surface inside the cube.  start: voxels of level 0, off the surface.  depth: 0 where nothing is seen.
+struct SeenVoxel { start: vec3f, normal: vec3f, geometric: vec3f, to_eye: vec3f, depth: f32, there: bool, surface: Surface }
+
+fn source_pixel(at: vec2u) -> vec2u {
+    return min({{ resolution }}u * at + {{ resolution // 2 }}u, textureDimensions(depth_map) - 1u);
+}
+
+fn seen_voxel(at: vec2u) -> SeenVoxel {
+    let pixel = source_pixel(at);
+    let depth = textureLoad(depth_map, pixel, 0).x;
+    let surface = unpack_surface(textureLoad(surface_map, pixel, 0));
+    let ray = view_ray(views[0], vec2f(pixel) + 0.5);
+    let to_eye = -normalize(ray.direction);
+    let geometric = surface.geometric_normal;
+    let place = (ray.origin + depth * ray.direction - voxels_of.origin) / voxels_of.size;
+    let inside = all(place >= vec3f(0.0)) && all(place <= vec3f(EDGE));
+    return SeenVoxel(
+        place + {{ offset }} * geometric, surface.normal, geometric, to_eye, depth, depth > 0.0 && inside, surface,
+    );
+}
+
+// Directions that shading normals turn below the surface, mirrored to above it.
+fn above(towards: vec3f, geometric: vec3f) -> vec3f {
+    return towards - 2.0 * min(0.0, dot(towards, geometric)) * geometric;
+}

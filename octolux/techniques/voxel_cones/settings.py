@@ -1,0 +1,72 @@
+"""Settings of `voxel-cones`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from ...simulator.voxels.cones import COVERS
+from ..settings import Settings, setting
+
+
+@dataclass(frozen=True)
+class VoxelConesSettings(Settings):
+    """The default traces many narrow cones at half resolution; `full` as many at all pixels; `fast` fewer, wide ones at
+    half resolution."""
+
+    depth: int = setting(
+        8, meaning="levels of the octree: 2^depth voxels along each side of the cube around the scene", unit="levels",
+        allowed=[6, 9], cost="each one more takes four times the memory and the time of filtering",
+        source="VCT 5.2, tables 6.6 and 6.9",
+    )  # fmt: skip
+    texture_level: float = setting(
+        0.0, meaning="mip level of textures that voxels take their colour from, over that whose texels are as large as "
+        "a voxel", unit="levels", allowed=[-4.0, 4.0],
+        cost="none; less picks out texels, more blurs over the borders of what a texture shows", source="VCT 5.2.1",
+    )  # fmt: skip
+    bounces: int = setting(
+        1, meaning="times that light is reflected before it reaches what is seen", unit="bounces", allowed=[1, 8],
+        cost="each more than one: a gathering at the scene's coarse voxels, and filtering everything", source="VCT 7.2",
+    )  # fmt: skip
+    bounce_level: int = setting(
+        3, meaning="level of the voxels that gather light for further bounces", unit="levels", allowed=[0, 4],
+        cost="each finer one takes four times as long; coarser ones spread what they receive farther", source="ours",
+    )  # fmt: skip
+    cones: int = setting(
+        16, meaning="diffuse cones of a pixel; of 16 pixels each has others", unit="cones", allowed=[4, 16],
+        cost="time is proportional; fewer are wider, and take small openings for closed", source="VCT 5.6, table 6.10",
+    )  # fmt: skip
+    width: float = setting(
+        0.5, meaning="of the voxels that diffuse cones read, over those that blur as much as the cone does", unit="",
+        allowed=[0.25, 2.0], cost="less sees finer, and wants as many more samples", source="VCT 5.6",
+    )  # fmt: skip
+    samples: int = setting(
+        4, meaning="samples of a diffuse cone for each level; 2 over `width` leave no gaps", unit="samples",
+        allowed=[1, 4], cost="time is proportional", source="VCT 5.6",
+    )  # fmt: skip
+    resolution: int = setting(
+        2, meaning="pixels along the edge of a block of which one gathers diffuse light", unit="pixels",
+        allowed=(1, 2, 4), cost="1: four times as long as 2; more blurs what is small", source="VCT 7.2, table 6.7",
+    )  # fmt: skip
+    glossy: bool = setting(
+        True, meaning="glossy surfaces reflect the voxels", unit="", allowed=(False, True),
+        cost="a tight cone a pixel, some 60 ms of a CPU at 1280 x 720", source="VCT 5.6",
+    )  # fmt: skip
+    step: float = setting(
+        1.0, meaning="between samples of a specular cone, in voxels as large as it is wide", unit="voxels",
+        allowed=[0.125, 2.0], cost="time is inversely proportional; more leaves gaps", source="VCT 5.6",
+    )  # fmt: skip
+    offset: float = setting(
+        1.0, meaning="from a surface to where its cones start", unit="voxels", allowed=[0.0, 4.0],
+        cost="none; more loses light of what is near", source="VCT 5.6",
+    )  # fmt: skip
+    cover: str = setting(
+        "surfaces", meaning="what opacity means: shares of the cone that surfaces cover, side by side; or of a medium, "
+        "of which each layer hides a share of all behind it", unit="", allowed=COVERS,
+        cost="none; medium lets some light through walls", source="VCT 5.6; simulator/voxels/cones.py",
+    )  # fmt: skip
+
+    PRESETS: ClassVar[dict[str, dict[str, Any]]] = {
+        "full": {"resolution": 1},
+        "fast": {"cones": 8, "width": 1.0, "samples": 2},
+    }

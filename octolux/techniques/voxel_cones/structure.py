@@ -1,0 +1,118 @@
+"""The sparse voxel octree of a scene and its bricks, built on the device (VCT 5.2 to 5.4)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...gpu.bindings import Binding, storage, storage_rw, uniform
+from ...gpu.device import Device
+from ...gpu.layout import Struct
+from ...gpu.passes import ComputePass
+from ...gpu.profiler import Profiler
+from ...gpu.records import record_texture, records_out, words
+from ...gpu_scene.gpu_scene import GpuScene
+from ...raytracing.bvh import triangle_ids
+from ...raytracing.scan import PARAMETERS
+from ...simulator.grid import Grid
+from .bricks import Bricks
+from .filtering import Filtering
+from .octree import LABEL, Octree, directory_binding
+from .pools import OWN, ROW, WORKGROUP, Pool, parameters, threads
+from .voxeliser import CUBE, EMISSION_LAYER, LAYER, Triangles, Voxeliser
+
+# What is known of the surfaces in a voxel of level 0; voxel.wgsl packs it.
+VOXEL = Struct("Voxel", albedo="u32", facing_up="u32", facing_down="u32", emission="u32")
+_SUMS_BYTES = 64 << 20  # of sums at a time: more voxels take more rounds
+
+
+class VoxelOctree:
+    """octree: where nodes are.  bricks: what is read of them.  filtering: brings light into them.  voxels: texture of
+    VOXEL.  grid: of the voxels.  peak: the scene's brightest emission, nits, of which voxels' emissions are shares."""
+
+    leaf_bindings: tuple[Binding, ...] = (uniform("cube", CUBE), words("leaves"), directory_binding())
+    """With `leaf_values` and the struct CUBE, for shaders that look up voxels of level 0 (leaves.wgsl)."""
+
+    def __init__(self, device: Device, depth: int, texture_level: float = 0.0):
+        self.device, self.depth = device, depth
+        self.grid: Grid
+        self.peak = 0.0
+        self.octree = Octree(device, depth)
+        self.bricks = Bricks(device, self.octree)
+        self.filtering = Filtering(device, self.bricks)
+        self._voxeliser = Voxeliser(device, self.octree, texture_level)
+        self.voxels = Pool("voxels", lambda count: record_texture(device, LABEL, VOXEL, count), limit=1 << 24)
+        self._surfaces = {
+            emissive: ComputePass(
+                device, "voxels", "techniques/voxel_cones/surfaces.wgsl",
+                [uniform("parameters", PARAMETERS), uniform("cube", CUBE), words("leaves"), storage("sums", "u32"),
+                 records_out("voxels", VOXEL), storage_rw("facing", "vec2u", "write")],
+                structs=[PARAMETERS, CUBE, VOXEL], emissive=emissive, words=self._voxeliser.words_of(emissive),
+                layer=float(LAYER), emission_layer=float(EMISSION_LAYER), workgroup=WORKGROUP, row=ROW,
+            )
+            for emissive in (False, True)
+        }  # fmt: skip
+
+        self.leaf_values = {**self.octree.values, **self._voxeliser.values}
+
+    @property
+    def leaf_resources(self) -> dict[str, Any]:
+        """What to bind to `leaf_bindings`, until the next build."""
+        return {"cube": self._cube, "leaves": self.octree.leaves.resource, "directory": self.octree.directory}
+
+    def build(
+        self, profiler: Profiler, scene: GpuScene, grid: Grid, peak: float = 0.0, ids: np.ndarray | None = None
+    ) -> None:
+        """Build it anew in the voxels of `grid`, 2^depth along each side. Inside a frame of `profiler`; the host waits
+        three times. ids: uint32, which triangles (`triangle_ids`), by default all that is drawn of `scene`: so what
+        moves can have an octree of its own (VCT 5.7), which is made anew beside that of what is static.
+
+        Raises DeviceError when the scene needs more nodes than there can be, ValueError for another grid.
+        """
+        if grid.n != 1 << self.depth:
+            raise ValueError(f"an octree of depth {self.depth} has {1 << self.depth} voxels a side, not {grid.n}")
+        self.grid, self.peak = grid, peak
+        cube, occupied = self._voxeliser.cube(grid, peak), self.octree.occupied()
+        triangles = self._voxeliser.triangles(profiler, scene, triangle_ids(scene) if ids is None else ids, cube)
+        with profiler.stage("fragments") as stage:
+            self._voxeliser.mark(stage, scene, triangles, cube, occupied)
+        self.octree.build(profiler, occupied)
+        counts = self.octree.counts
+        self.voxels.need(counts.voxels)
+        self._cube = self._voxeliser.cube(grid, peak, first_leaf=counts.levels[0][0])
+        self.bricks.make_room()
+        with profiler.stage("voxels") as stage:
+            stage.encoder.clear_buffer(self.bricks.facing.resource)
+            self._sum(stage, scene, triangles)
+        with profiler.stage("averaging") as stage:
+            self.bricks.average(stage)
+        self.bricks.number(profiler)
+        with profiler.stage("edge copy") as stage:
+            self.filtering.everything(stage)
+
+    def _sum(self, stage: Any, scene: GpuScene, triangles: Triangles) -> None:
+        """As many voxels at a time as there is room for sums."""
+        counts, size = self.octree.counts, 4 * self._voxeliser.words_of(scene.has_emission)
+        room = max(1, min(counts.voxels, _SUMS_BYTES // size))
+        sums = self.device.buffer("voxel build", size=room * size)
+        first_leaf, leaves = counts.levels[0]
+        for first in range(0, counts.voxels, room):
+            cube = self._voxeliser.cube(self.grid, self.peak, first, room, first_leaf)
+            stage.encoder.clear_buffer(sums)
+            self._voxeliser.accumulate(stage, scene, triangles, cube, sums)
+            self._surfaces[scene.has_emission].run(
+                stage, threads(OWN * leaves), parameters=parameters(self.device, leaves, first_leaf), cube=cube,
+                leaves=self.octree.leaves.resource, sums=sums, voxels=self.voxels.resource,
+                facing=self.bricks.facing.resource,
+            )  # fmt: skip
+
+    def pools(self) -> dict[str, tuple[int, int]]:
+        """How many elements each pool holds, and for how many it has room."""
+        all_pools = self.octree.leaves, self.voxels, self.bricks.facing, self.bricks.bricks
+        return {pool.name: (pool.used, pool.capacity) for pool in all_pools}
+
+    def codes(self) -> np.ndarray:
+        """The code of each node, uint32 (nodes,); see codes.wgsl."""
+        read = np.frombuffer(self.device.queue.read_buffer(self.octree.codes.resource), np.uint32)
+        return read[: self.octree.counts.nodes]

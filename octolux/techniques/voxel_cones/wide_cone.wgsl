@@ -1,0 +1,47 @@
+// Wide cones (simulator/voxels/cones.py, `trace`), and where a set of them is turned to.
+{{ use("techniques/voxel_cones/cones.wgsl") }}
+
+// plane: across which normal the surface lies that it starts on.  before, before_level: of the last sample; the one where a cone leaves the cube is for the way from there, on its level.
+struct Way {
+    start: vec3f, towards: vec3f, plane: vec3f, reach: f32, before: f32, before_level: u32, traced: Traced,
+}
+
+// distance: of the sample in voxels of level 0; step: for which it stands, in voxels of `level`.
+fn sampled(way: Way, distance: f32, level: u32, step: f32) -> Way {
+    let leaves = distance > way.reach;
+    let travelled = min(distance, way.reach);
+    let of_level = select(level, way.before_level, leaves);
+    let height = {{ offset }} + travelled * dot(way.towards, way.plane);
+    let position = lifted(way.start + travelled * way.towards, way.plane, height, f32(1u << of_level));
+    let found = sample_voxels(position, of_level, way.towards);
+    let rest = max(way.reach - way.before, 0.0) / f32(1u << way.before_level);
+    let traced = covered(way.traced, found, select(step, rest, leaves));
+    return Way(way.start, way.towards, way.plane, way.reach, distance, level, traced);
+}
+
+// plane: unit normal of the surface that it starts on.
+fn wide_cone(start: vec3f, towards: vec3f, plane: vec3f, wanted: bool) -> Traced {
+    let reach = way_out(start, towards);
+    var way = Way(start, towards, plane, reach, 0.0, 0u, Traced(vec3f(0.0), select(0.0, 1.0, wanted)));
+    {% for sample in near %}
+    way = sampled(way, {{ sample.distance }}, 0u, {{ sample.step }});
+    {% endfor %}
+    var far = 1.0; // how many times as far as on level 0 samples are
+    var step = 1.0; // and for how long a way they stand, in voxels of their level
+    var level = 0u;
+    loop {
+        {% for sample in first_level %}
+        way = sampled(way, {{ sample.distance }} * far, level, {{ sample.step }} * step);
+        {% endfor %}
+        far *= 2.0;
+        step *= select(1.0, 2.0, level == TOP);
+        level = min(level + 1u, TOP);
+        continuing { break if way.before >= way.reach || way.traced.left <= {{ left }}; }
+    }
+    return way.traced;
+}
+
+// How far the cones of a pixel's phase are moved: outwards on the disc, and around (`phase_shift`).
+fn phase_shift(phase: u32) -> vec2f {
+    return vec2f((f32(reverseBits(phase) >> 28u) + 0.5) * {{ 1 / phases }}, fract(f32(phase) * {{ phase_turn }}));
+}

@@ -1,0 +1,180 @@
+"""voxel-cones as pictures: what voxels send is what lights bring, closed forms, what moves, presets."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+from gpu_tools import read_buffer, scene_of, small_settings
+
+from octolux.frame.structs import VPL
+from octolux.gpu.device import Device
+from octolux.gpu.records import read_records
+from octolux.renderer import Renderer
+from octolux.scene.builtin.shapes import quad
+from octolux.scene.cameras import Camera
+from octolux.scene.lights import DirectionalLight, PointLight, SpotLight
+from octolux.scene.load import load_scene
+from octolux.scene.materials import Material
+from octolux.scene.scene import Scene
+from octolux.simulator.form_factors import point_to_parallel_square
+from octolux.techniques import TECHNIQUES
+from octolux.techniques.voxel_cones.settings import VoxelConesSettings
+from octolux.techniques.voxel_cones.technique import VoxelCones
+
+SIZE = (32, 24)
+PRESETS = ["default", *VoxelConesSettings.PRESETS]
+ALBEDO = (0.6, 0.3, 0.1)
+PAINT = Material(base_color=ALBEDO, specular=0.0)
+FLOOR = quad([(-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1)])
+
+
+def renderer(device, scene: Scene, preset: str = "default", size=SIZE, **settings) -> Renderer:
+    return Renderer(
+        scene, "voxel-cones", preset=preset, settings={"depth": 6, **settings}, size=size, device=device, exposure=0.0,
+        anti_aliasing="off", default_light=False, frame_settings=small_settings(sky_lights=0, emitter_lights=0),
+    )  # fmt: skip
+
+
+def from_above(height: float, across: float) -> Camera:
+    """Looks down at the origin, `across` metres of it."""
+    place = np.eye(4)
+    place[:3, :3] = np.array([(1, 0, 0), (0, 0, -1), (0, 1, 0)], dtype=float).T
+    place[:3, 3] = (0.0, height, 0.0)
+    return Camera(transform=place, orthographic_height=across)
+
+
+def technique(made: Renderer) -> VoxelCones:
+    assert isinstance(made.technique, VoxelCones)
+    return made.technique
+
+
+def sent(made: VoxelCones) -> np.ndarray:
+    """Flux that voxels of level 0 send, lm or W (3,), if each holds surfaces of one normal n: F n / (pi edge^2) each
+    way (inject.wgsl)."""
+    octree, bricks = made.octree, made.octree.bricks
+    first, count = bricks.levels[0]
+    words = read_buffer(octree.device, bricks.light.resource, np.uint32)[8 * first : 8 * (first + count)]
+    owners = read_buffer(octree.device, bricks.owners.resource, np.uint32)[first : first + count]
+    codes = words[:, None] >> np.array([0, 9, 18], np.uint32) & 511
+    light = codes * 2.0 ** ((words >> 27).astype(np.float64)[:, None] - 40.0)
+    ways = np.zeros((octree.octree.counts.nodes, 8, 6, 3))
+    ways[owners >> 3, :, owners & 7] = light.reshape(count, 8, 3)
+    return pi * octree.grid.cell_size**2 * made.injection.unit * np.sqrt((ways**2).sum(axis=2)).sum(axis=(0, 1))
+
+
+class Noting(VoxelCones):
+    """Keeps what it was given."""
+
+    given: Any = None
+
+    def update(self, frame) -> None:
+        type(self).given = frame
+        super().update(frame)
+
+
+@pytest.mark.parametrize("lights", [
+    [DirectionalLight(direction=(0.3, -1.0, 0.1), illuminance=(5.0, 6.0, 7.0))],
+    [PointLight(position=(0.2, 1.0, 0.3), intensity=(5.0, 6.0, 7.0))],
+    [DirectionalLight(direction=(0.0, -1.0, 0.0), illuminance=(5.0, 6.0, 7.0)),
+     SpotLight(position=(0.2, 1.0, 0.3), direction=(0.0, -1.0, 0.0), intensity=(5.0, 6.0, 7.0))],
+])  # fmt: skip
+def test_voxels_send_what_the_lights_bring(device, monkeypatch, lights):
+    """All flux of the VPLs, whatever the normal. What voxels send has 9 bits, so is off by up to 2^-9 of the largest
+    channel of a voxel; and at the rim, which is slanted, columns with no sample, less than 1/8 covered, have none."""
+    monkeypatch.setitem(TECHNIQUES, "voxel-cones", Noting)
+    tilted = quad([(-1, -0.3, 1), (1, 0.5, 0.8), (1, 0.3, -1), (-1, -0.5, -0.8)])
+    made = renderer(device, scene_of([tilted], [replace(PAINT, double_sided=True)], lights=lights), resolution=1)
+    made.render(from_above(3.0, 2.0))
+    frame = Noting.given
+    vpls = read_records(device, frame.vpls, VPL, sum(count for _, count in frame.vpl_ranges))
+    brought = vpls["flux"].astype(np.float64).sum(axis=0)
+    assert (brought > 0.0).all()
+    rim = 4 / 61 * 1 / 8 * 1 / 8
+    np.testing.assert_allclose(sent(technique(made)), brought, rtol=0.0, atol=(2.0**-9 + rim) * brought.max())
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_a_beam_on_a_wall_lights_what_faces_it(device, preset):
+    """A ceiling of known albedo is lit straight from below, past a small receiver whose shadow is on it: E = albedo *
+    illuminance * (F of the ceiling - F of the shadow). Of what is measured 15 % is what is asked of cones."""
+    edge = 0.1
+    ceiling = quad([(-1, 1, -1), (1, 1, -1), (1, 1, 1), (-1, 1, 1)])
+    receiver = quad([(-edge, 0, edge), (edge, 0, edge), (edge, 0, -edge), (-edge, 0, -edge)])
+    sun = DirectionalLight(direction=(0.0, 1.0, 0.0), illuminance=(4.0, 4.0, 4.0))
+    made = renderer(device, scene_of([ceiling, receiver], [PAINT], lights=[sun]), preset)
+    found = made.render(from_above(0.5, 0.1)).layers["irradiance"].mean(axis=(0, 1))
+    factor = point_to_parallel_square(2.0, 1.0) - point_to_parallel_square(2.0 * edge, 1.0)
+    np.testing.assert_allclose(found, 4.0 * np.array(ALBEDO) * factor, rtol=0.15)
+
+
+def spot(x: float) -> SpotLight:
+    return SpotLight(position=(x, 0.5, 0.0), direction=(0.0, -1.0, 0.0), intensity=(5.0, 6.0, 7.0), outer_angle=0.3)
+
+
+def test_a_light_that_moves_touches_little(device):
+    """The picture is that of a fresh renderer, which filters everything, to the bit."""
+    scene, camera = scene_of([FLOOR], [PAINT], lights=[spot(-0.5)]), from_above(2.0, 2.0)
+    made = renderer(device, scene, depth=7)
+    before = made.render(camera)
+    made.scene = replace(scene, lights=[spot(-0.45)])
+    after = made.render(camera)
+    octree = technique(made).octree
+    updated = int(read_buffer(device, octree.filtering.update_count, np.uint32)[0])
+    assert 0 < updated <= 0.4 * octree.bricks.bricks.used
+    fresh = renderer(device, made.scene, depth=7).render(camera)
+    assert np.array_equal(after.radiance, fresh.radiance)
+    made.scene = scene
+    assert np.array_equal(made.render(camera).radiance, before.radiance)
+    made.render(camera)
+    assert read_buffer(device, octree.filtering.update_count, np.uint32)[0] == 0, "what stays is not touched"
+
+
+@pytest.mark.parametrize("bounces", [1, 3])
+def test_lights_that_come_and_go(device, bounces):
+    """Frames are those of a fresh renderer: no light is left."""
+    scene = load_scene("cornell-box")
+    lamp = PointLight(position=(0.2, 1.2, 0.3), intensity=(5.0, 6.0, 7.0))
+    made, pictures = renderer(device, scene, bounces=bounces), []
+    for lights in ([lamp], [], [lamp, spot(0.1)], [lamp]):
+        made.scene = replace(scene, lights=lights)
+        pictures.append(made.render())
+    first, dark, _, last = pictures
+    assert first.layers["indirect"].any() and not dark.layers["indirect"].any()
+    assert np.array_equal(first.radiance, last.radiance)
+
+
+def test_bounces_add_light_but_create_none(device):
+    """Each brings more, and all together no more than a geometric series of the largest albedo would."""
+    scene = load_scene("cornell-box")
+    means = [renderer(device, scene, bounces=n).render().layers["indirect"].mean() for n in (1, 2, 4)]
+    most = max(max(m.base_color) for m in scene.materials)
+    assert means[0] * 1.1 < means[1] < means[0] * (1.0 + most)
+    assert means[1] * 1.1 < means[2] < means[0] * (1.0 - most**4) / (1.0 - most)
+
+
+@pytest.mark.parametrize("preset", PRESETS)
+def test_presets(device, preset):
+    picture = renderer(device, load_scene("cornell-box"), preset).render()
+    assert picture.layers["indirect"].any() and np.isfinite(picture.radiance).all()
+
+
+def test_glossy_surfaces_reflect_the_voxels(device):
+    scene = load_scene("cornell-box")
+    shiny = replace(scene, materials=[replace(m, specular=1.0, roughness=0.1) for m in scene.materials])
+    with_it, without = (renderer(device, shiny, glossy=on).render().layers["indirect"] for on in (True, False))
+    assert with_it.mean() > 1.01 * without.mean()
+
+
+def test_memory_does_not_grow():
+    scene, device = load_scene("cornell-box"), Device()  # of others, things may be collected meanwhile
+    made, held = renderer(device, scene, size=(16, 12), bounces=2), []
+    for k in range(10):
+        lamps = [replace(spot(0.1), position=(0.5 * np.cos(k + i), 1.0, 0.0)) for i in range(3 - k % 3)]
+        made.scene = replace(scene, lights=lamps)
+        made.render()
+        held.append(device.memory.total)
+    assert held[4:7] == held[7:10]
