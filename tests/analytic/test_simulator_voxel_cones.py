@@ -147,7 +147,8 @@ def test_white_furnace(count, per_level):
 @pytest.mark.parametrize(("distance", "most"), [(8, 0.15), (16, 0.1), (32, 0.2)])
 def test_irradiance_from_a_parallel_square(distance, most):
     """In front of its middle, and some way off: closed form. Samples of low cones are lifted towards it: by a voxel,
-    which at 8 voxels makes the closed form 4 to 6 % larger. Where voxels are as large as half the square, at 32, its light is a matter of where their faces are."""
+    which at 8 voxels makes the closed form 4 to 6 % larger. Where voxels are as large as half the square,
+    at 32, its light is a matter of where their faces are."""
     ceiling = np.zeros((N, N, N, 6))
     side, first = 32, 16
     layer = LOW + distance
