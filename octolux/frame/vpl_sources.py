@@ -87,6 +87,10 @@ class SourceGroup:
         ]  # fmt: skip
 
 
+NO_SOURCES = SourceGroup([], (0.0,) * 4, (0.0,) * 4)
+"""What a frame without lights injects: what there was before goes."""
+
+
 def _continues(before: VplSource, source: VplSource) -> bool:
     same = before.width == source.width and before.intensity_per_flux == source.intensity_per_flux
     return same and before.first + before.count == source.first

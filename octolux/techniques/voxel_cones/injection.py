@@ -9,7 +9,7 @@ import numpy as np
 
 from ...frame.frame import Frame
 from ...frame.structs import VPL
-from ...frame.vpl_sources import SOURCE, SourceGroup, group_sources, vpl_sources
+from ...frame.vpl_sources import NO_SOURCES, SOURCE, SourceGroup, group_sources, vpl_sources
 from ...gpu.bindings import atomic_words, storage, storage_rw, uniform
 from ...gpu.device import Device
 from ...gpu.layout import Struct
@@ -27,7 +27,6 @@ _SUMS = 12 * OWN  # bytes of a brick
 _BUFFER = DEFAULT_LIMITS["max-storage-buffer-binding-size"]
 _ROUND = (64 << 20) // _SUMS  # bricks at a time
 _LABEL = "voxel light"
-_DARK = SourceGroup([], (0.0,) * 3, (0.0,) * 3)  # no lights: light that there was before goes
 
 
 class Injection:
@@ -65,7 +64,7 @@ class Injection:
     def run(self, stage: Any, frame: Frame) -> bool:
         """Inject the VPLs of the frame's lights. Returns whether all light is to be filtered anew, as the unit has
         changed; else what is touched."""
-        groups = group_sources(vpl_sources(frame)) or [_DARK]
+        groups = group_sources(vpl_sources(frame)) or [NO_SOURCES]
         changed = self._choose_unit(frame.lights.total_flux)
         first, count = self.octree.bricks.levels[0]
         self.fresh.need(count)
