@@ -12,8 +12,9 @@ from octolux.scene.errors import OctoluxError
 
 from . import olpv_sweep, written_tables
 from .lab import device
-from .olpv_parts import CLEAR_TO_MERGE, PARTS, PartProfiler, Times
+from .olpv_parts import CLEAR_TO_MERGE, PARTS, part_of
 from .olpv_scene import SCENES, base_scene, lit, renderer
+from .part_profiler import PartProfiler, Times
 from .registry import at_most, figure
 
 SIZE, WARM_UP = (1280, 720), 2
@@ -38,7 +39,7 @@ def measured(
 
     Raises NeedsData when the scene is not there, OctoluxError for an unknown technique.
     """
-    profilers = {text: PartProfiler(device()) for text in techniques}
+    profilers = {text: PartProfiler(device(), part_of) for text in techniques}
     renderers = {text: renderer(scene, text, size, profilers[text]) for text in techniques}
     for number in range(-WARM_UP, frames):
         for text, one in renderers.items():

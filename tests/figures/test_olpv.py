@@ -9,8 +9,9 @@ import pytest
 
 from benchmarks import olpv_artefacts, olpv_sweep, olpv_table1, scenes_on_disk
 from benchmarks.olpv_jumps import DEFAULT, STEPS, THESIS, element, excess_steps, wall
-from benchmarks.olpv_parts import OTHER, PARTS, Times, part_of
+from benchmarks.olpv_parts import OTHER, PARTS, part_of
 from benchmarks.olpv_table1 import UNIFORM, measured, rows, tables
+from benchmarks.part_profiler import Times
 from octolux.gpu.device import DeviceError
 
 SMALL = (32, 18)

@@ -1,0 +1,104 @@
+"""The measurements of VCT: what the thesis prints adds up, which part a pass belongs to, the tables."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from benchmarks import vct_tables
+from benchmarks import vct_thesis as thesis
+from benchmarks.vct_frames import COPIES, OTHER, Case, built, frames_of, part_of
+
+SMALL = {"size": (32, 18), "shadows": 64}
+
+
+@pytest.mark.parametrize(
+    ("table", "columns"),
+    [
+        (thesis.BY_DEPTH, thesis.STEPS[2:]), (thesis.BY_REPRESENTATION, thesis.STEPS[2:]),
+        (thesis.STATIC_PARTS, thesis.STATIC), (thesis.MOVING_PARTS, thesis.MOVING),
+        (thesis.INJECTION_PARTS, thesis.INJECTION),
+    ],
+)  # fmt: skip
+def test_what_is_printed_adds_up(table, columns):
+    """So no digit was lost: each total is the sum of its row, as numbers of two decimals are."""
+    for scene in thesis.SCENES:
+        for row in table[scene].values():
+            parts = [row[column] for column in columns if column != thesis.TOTAL]
+            assert sum(parts) == pytest.approx(row[thesis.TOTAL], abs=0.005 * (len(parts) + 1) + 1e-9)
+
+
+def test_tables_that_are_printed_agree():
+    """Steps of 6.9 are those of 6.11 to 6.13 together."""
+    for scene in thesis.SCENES:
+        for depth, row in thesis.BY_DEPTH[scene].items():
+            static = thesis.STATIC_PARTS[scene][depth]
+            assert static[thesis.FRAGMENTS] + static[thesis.BUILD] == pytest.approx(row[thesis.BUILD], abs=0.02)
+            assert static[thesis.TOTAL] == pytest.approx(row[thesis.BUILD] + row[thesis.FILL], abs=0.02)
+            assert thesis.INJECTION_PARTS[scene][depth][thesis.TOTAL] == row[thesis.INJECT]
+
+
+def test_parts_by_name():
+    assert part_of("injection", "inject") == part_of("RSM surfaces", "RSM") == thesis.TRAVERSE
+    assert part_of("injection", "collect") == thesis.INSERT
+    assert part_of("filtering", "average_light") == thesis.CHILDREN
+    assert part_of("filtering", "voxel octree", clears=True) == thesis.LIST
+    assert part_of("voxels", "voxel octree", clears=True) == thesis.RESET
+    assert part_of("edge copy", "bricks") == COPIES
+    assert part_of("direct light", "direct") == OTHER
+
+
+@pytest.fixture(scope="module")
+def frames():
+    return frames_of("cornell-box", [Case(f"depth={depth}", **SMALL) for depth in (6, 7)], 2)
+
+
+def test_every_part_of_a_frame_is_timed(frames):
+    for frame in frames:
+        assert set(vct_tables.INJECTION) | {thesis.DIFFUSE, thesis.SPECULAR} <= set(frame)
+        assert all(time > 0.0 for time in frame.values())
+
+
+def test_every_part_of_a_build_is_timed():
+    small, large = built("cornell-box", (6, 7), 1)
+    assert set(vct_tables.STATIC) <= set(small.parts)
+    assert 3.0 < large.nodes / small.nodes < 5.0  # surfaces: four times as many on each level
+    assert 2.0 <= large.megabytes / small.megabytes <= 8.0  # in layers, whose number is a power of two
+    assert small.megabytes * 1e6 >= 4 * 27 * small.bricks
+
+
+def test_lines():
+    row = {thesis.RENDER: 2.0, COPIES: 30.0}
+    found = {"cornell-box": {"6": row, "7": {thesis.RENDER: 5.0, COPIES: 3000.0}}, "atrium": {"6": row}}
+    lines = vct_tables.lines(found, thesis.INJECTION_PARTS, "depth")
+    assert lines[0] == ("scene", "depth", "", thesis.RENDER, COPIES)
+    assert lines[1:4] == [
+        ("cornell-box", "6", "ours", "2.00", "30.0"), ("", "", thesis.ADAPTER, "0.46", "1.76"),
+        ("", "7", "ours", "5.00 (×2.5)", "3,000 (×100)"),
+    ]  # fmt: skip
+    assert lines[5:] == [("atrium", "6", "ours", "2.00", "30.0")], "it is not in the thesis"
+    share = vct_tables.lines({"corridor": {"8": {thesis.SPECULAR: 1.0, thesis.TOTAL: 4.0}}}, {}, "depth", shares=True)
+    assert share[1][3:] == ("1.00 (25%)", "4.00 (100%)")
+
+
+def test_tables_are_written(frames, monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(vct_tables, "_by_depth", lambda scene, count: [*frames, frames[-1]])
+    files = [tmp_path / "a.json", tmp_path / "a.md"]
+    words = ["6.13", "--scene", "corridor", "--json", str(files[0]), "--markdown", str(files[1])]
+    assert vct_tables.main(words) == 0
+    data = json.loads(files[0].read_text(encoding="utf-8"))["tables"]["6.13"]
+    assert data["ours"]["corridor"]["6"][thesis.RENDER] == frames[0][thesis.RENDER]
+    assert data["thesis"]["corridor"]["8"][thesis.TOTAL] == 48.70
+    assert "Table 6.13" in capsys.readouterr().out and "| corridor | 6 |" in files[1].read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [(["--frames", "0"], "at least 1"), (["6.90"], "6.9"), (["--json", "nowhere/a.json"], "there is no folder")],
+)
+def test_wrong_options(monkeypatch, capsys, words, says):
+    monkeypatch.setattr(vct_tables, "frames_of", lambda *given: pytest.fail("measured"))
+    monkeypatch.setattr(vct_tables, "built", lambda *given: pytest.fail("measured"))
+    assert vct_tables.main(words) == 2
+    assert says in capsys.readouterr().err
