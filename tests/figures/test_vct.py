@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
+import math
 
 import pytest
 
-from benchmarks import vct_tables
+from benchmarks import registry, vct_tables
 from benchmarks import vct_thesis as thesis
 from benchmarks.vct_frames import COPIES, OTHER, Case, built, frames_of, part_of
 
+registry.load_all()
 SMALL = {"size": (32, 18), "shadows": 64}
 
 
@@ -102,3 +104,10 @@ def test_wrong_options(monkeypatch, capsys, words, says):
     monkeypatch.setattr(vct_tables, "built", lambda *given: pytest.fail("measured"))
     assert vct_tables.main(words) == 2
     assert says in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["vct_octree", "vct_slab", "vct_furnace"])
+def test_what_is_known_exactly(name):
+    rows = registry.FIGURES[name].rows()
+    assert any(row.holds for row in rows)
+    assert all(row.holds is not False and math.isfinite(row.value) for row in rows), rows
