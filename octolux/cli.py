@@ -14,6 +14,7 @@ import typer
 from . import __version__, cli_options, console
 from .compare.command import compare
 from .output import check_writable, write_json
+from .output.debug import debug_files, write_view
 from .output.options import FileOptions, layer_names
 from .scene.errors import OctoluxError, one_line
 from .simulate import simulate
@@ -98,6 +99,7 @@ def render(
     bits: cli_options.Bits = 8,
     alpha: cli_options.Alpha = False,
     layers: cli_options.Layers = None,
+    debug: cli_options.Debug = [],  # noqa: B006
     stats: cli_options.Stats = None,
 ) -> None:
     """Render SCENE and print what each stage cost."""
@@ -108,6 +110,9 @@ def render(
     plan = _plan(out, frames, fps, size, options, resume)
     if stats:
         check_writable(stats, [".json"])
+    wanted = None if debug == ["list"] else debug_files(debug)
+    if wanted and resume:
+        raise OctoluxError("--debug shows what the last frame leaves, which --resume may not render. Leave one out.")
     from .scene.load import load_scene
     from .sequence import Timeline
 
@@ -125,7 +130,17 @@ def render(
         technique=technique, settings=settings, size=plan.size, exposure=exposure, anti_aliasing=anti_aliasing,
         sequence=plan.filtered, tone_map=tone_map, transparent=alpha, default_light=default_light,
     )  # fmt: skip
+    views = renderer.technique.debug_views()
+    if wanted is None:
+        for line in views.lines() or ["this technique has no debug views"]:
+            console.out.print(line, markup=False, soft_wrap=True)
+        return
+    for name, _ in wanted:
+        views.maker(name)  # raises where there is none
     _make(plan, Timeline(renderer, loaded, fps, first=plan.frames[0], camera=camera, clip=clip), stats)
+    for name, path in wanted:
+        write_view(renderer.technique.debug_views()[name], path)
+        console.out.print(f"wrote {path}", markup=False, soft_wrap=True)
 
 
 def _settings(technique: str, preset: str, pairs: list[str], **given: float | None) -> Settings:

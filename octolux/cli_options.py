@@ -81,6 +81,14 @@ Alpha = Annotated[bool, _option(_FILES, None, "Leave the surroundings out: trans
 Layers = Annotated[
     str | None, _option(_FILES, "A,B,...", f"Layers of .exr and .npz, of {', '.join(LAYERS)}; all by default.")
 ]
+Debug = Annotated[
+    list[str],
+    _option(
+        _FILES, "NAME=FILE",
+        "What the technique's light cache holds after the last frame, as .png or .npz; `--debug list` says what there "
+        "is. Repeatable.", "--debug",
+    ),
+]  # fmt: skip
 Stats = Annotated[Path | None, _option(_FILES, "FILE", "Write times, memory and energy as JSON.")]
 
 Exported = Annotated[Path, typer.Argument(metavar="OUT", help="An .xml file; what it names goes into OUT_files.")]

@@ -13,6 +13,7 @@ from PIL import Image
 import octolux
 from octolux.gpu.device import Device
 from octolux.scene.medium import Medium
+from octolux.simulator.tonemap import srgb_encode
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "docs" / "images"
@@ -37,11 +38,20 @@ def fog(device: Device) -> np.ndarray:
     return octolux.Renderer(scene, size=(960, 540), anti_aliasing=8, exposure=12.0, device=device).render(eye).display
 
 
+def debug_views(device: Device, *names: str) -> list[np.ndarray]:
+    """Pictures of docs/techniques/voxel-cones.md, "Debug views", of the atrium."""
+    renderer = octolux.Renderer(octolux.load("atrium"), "voxel-cones", size=(480, 270), device=device)
+    renderer.render()
+    return [np.round(255.0 * srgb_encode(renderer.technique.debug_views()[name])).astype(np.uint8) for name in names]
+
+
 def main() -> None:
     FOLDER.mkdir(parents=True, exist_ok=True)
     device = Device()
     save("atrium", [display(device, "atrium", "octree-lpv", (1280, 720))])
     save("fog-atrium", [fog(device)])
+    save("voxel-cones-voxels", debug_views(device, "voxels:0:albedo", "voxels:2:light"))
+    save("voxel-cones-cones", debug_views(device, "cones:drawn:100:60", "voxels:2:opacity"))
     save("cornell-box", [display(device, "cornell-box", t, (480, 480)) for t in ("none", "octree-lpv")])
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from ..frame.frame import Frame
 from ..gpu.device import Device
+from .debug_views import DebugViews
 from .settings import Settings
 
 
@@ -47,9 +48,9 @@ class Technique(ABC):
     def shade(self, frame: Frame) -> None:
         """Write irradiance before albedo (rgba32float, ambient visibility in alpha) for what the camera sees."""
 
-    def debug_views(self) -> dict[str, Any]:
-        """Name -> NumPy array of what the cache holds, for looking into it."""
-        return {}
+    def debug_views(self) -> DebugViews:
+        """What the cache holds after a frame, by name; the names are known before one."""
+        return DebugViews({})
 
     def memory(self) -> dict[str, int]:
         """Bytes by resource that techniques of this kind hold on the device: those labelled with `label`."""

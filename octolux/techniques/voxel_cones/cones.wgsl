@@ -2,6 +2,10 @@
 //     fn sample_voxels(position: vec3f, level: u32, direction: vec3f) -> vec4f
 // of file `voxels`: what is met around `position`, in voxels of level 0 from the cube's corner and inside it, on a way along
 // the unit vector that is as long as an edge of the level's voxels: radiance times opacity, and opacity. Trilinear.
+//
+// With `noted` a shader has
+//     fn note(position: vec3f, towards: vec3f, level: f32, step: f32, found: vec4f, before: Traced)
+// which is told of each sample and of what its cone had met before.
 {{ use(voxels) }}
 
 const TOP = {{ depth - 1 }}u; // the coarsest level, of 2^3 voxels

@@ -23,10 +23,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var irradiance = vec3f(0.0);
     var visible = 0.0;
     for (var i = 0u; i < {{ cones }}u; i++) {
-        let square = (f32(i) + shift.x) * {{ 1 / cones }};
-        let angle = {{ 2 * pi }} * fract(f32(i) * {{ cone_turn }} + shift.y);
-        let local = vec3f(sqrt(square) * cos(angle), sqrt(square) * sin(angle), sqrt(1.0 - square));
-        let towards = above(from_basis(basis, local), seen.geometric);
+        let towards = above(from_basis(basis, cone_axis(i, shift)), seen.geometric);
         let traced = wide_cone(seen.start, towards, seen.geometric, seen.there);
         irradiance += traced.radiance;
         visible += traced.left;

@@ -29,6 +29,7 @@ class Filtering:
         self._updates = Pool("bricks", lambda count: device.buffer(LABEL, size=4 * count), limit=bricks.light.limit)
         self.update_count = device.buffer(LABEL, size=4)
         """u32: how many bricks the last `touched` made anew."""
+        self._listed = False
         nodes = [PARAMETERS_OF, storage("codes", "u32"), directory_binding()]
         facing, light = storage("facing", "vec2u"), storage("light", "u32")
         ways, owners, scales = (storage(name, "u32") for name in ("ways", "owners", "scales"))
@@ -53,7 +54,7 @@ class Filtering:
         return ComputePass(self.device, file, f"techniques/voxel_cones/{file}.wgsl", bindings, **given)
 
     def everything(self, stage: Any, unit: float = 1.0) -> None:
-        bricks = self.bricks
+        bricks, self._listed = self.bricks, False
         for first, count in bricks.levels[1:]:
             self._average.run(stage, threads(OWN * count), parameters=parameters(self.device, count, first),
                               **self._of_light())  # fmt: skip
@@ -63,7 +64,7 @@ class Filtering:
     def touched(self, stage: Any, unit: float = 1.0) -> None:
         """What is touched is then forgotten."""
         device, bricks, counts = self.device, self.bricks, self.bricks.octree.counts
-        marks = {"touched": bricks.touched.resource}
+        marks, self._listed = {"touched": bricks.touched.resource}, True
         self._updates.need(bricks.bricks.used)
         for (node, nodes), (first, count) in zip(counts.levels[1:], bricks.levels[1:], strict=True):
             self._touch.run(stage, threads(nodes), parameters=parameters(device, nodes, node), **bricks.of_nodes(),
@@ -80,6 +81,15 @@ class Filtering:
                               **listed)  # fmt: skip
         self._record(stage)
         stage.encoder.clear_buffer(bricks.touched.resource)
+
+    def updated_nodes(self) -> np.ndarray:
+        """Numbers of the nodes with bricks that were made anew the last time, for debug views."""
+        read, bricks = self.device.queue.read_buffer, self.bricks
+        made = np.arange(bricks.bricks.used, dtype=np.uint32)
+        if self._listed:
+            count = int(np.frombuffer(read(self.update_count), np.uint32)[0])
+            made = np.frombuffer(read(self._updates.resource), np.uint32)[:count]
+        return np.unique(np.frombuffer(read(bricks.owners.resource), np.uint32)[made] >> 3)
 
     def _record(self, stage: Any) -> None:
         bricks, count = self.bricks, self.bricks.octree.counts.nodes

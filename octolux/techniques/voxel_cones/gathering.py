@@ -54,7 +54,7 @@ def cone_values(voxels: Voxels, offset: float, cover: str) -> dict[str, Any]:
     """What cones.wgsl wants to know."""
     return {
         **CONSTANTS, "voxels": voxels.file, "depth": voxels.depth, "offset": float(offset), "cover": cover,
-        "left": cones.LEFT, "clear": cones.CLEAR, **voxels.values,
+        "left": cones.LEFT, "clear": cones.CLEAR, "noted": False, **voxels.values,
     }  # fmt: skip
 
 
@@ -67,7 +67,7 @@ def wide_cones(count: int, per_level: int, width: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-class _Gathering:
+class Gathering:
     """What diffuse and specular cones share. resolution: pixels along each side of a block that shares a pixel's
     cones; offset: voxels from a surface to where they start. Raises OctoluxError for values out of range."""
 
@@ -115,12 +115,12 @@ def _seen_by(frame: Frame) -> dict[str, Any]:
     return {"views": frame.buffers["views"], "surface_map": targets.surface, "depth_map": targets.depth}
 
 
-class DiffuseCones(_Gathering):
+class DiffuseCones(Gathering):
     """Irradiance and ambient visibility of every pixel.
 
     count: of cones, 4 to 16.  per_level: samples of a cone for each level, 1 to 4.  width: of the voxels that are read,
     over those that blur as much as a cone does, 0.25 to 2: smaller ones see finer, and need more samples a level.  sky:
-    what is left of cones that meet nothing sees the surroundings. Otherwise as `_Gathering`.
+    what is left of cones that meet nothing sees the surroundings. Otherwise as `Gathering`.
 
     irradiance: rgba32float, lux of a picture's pixel, alpha 1, as light past occluders is counted already.
     visibility: r32float, the share of each pixel's cones that meets nothing.
@@ -187,9 +187,9 @@ class DiffuseCones(_Gathering):
         )  # fmt: skip
 
 
-class SpecularCones(_Gathering):
+class SpecularCones(Gathering):
     """Radiance that every pixel reflects through a cone as wide as its lobe, weighted by its BRDF: rgba32float
-    `specular`, nits. step: between samples, in voxels as large as the cone. Otherwise as `_Gathering`."""
+    `specular`, nits. step: between samples, in voxels as large as the cone. Otherwise as `Gathering`."""
 
     def __init__(
         self, device: Device, voxels: Voxels, *, step: float = 1.0, resolution: int = 1, offset: float = 1.0,

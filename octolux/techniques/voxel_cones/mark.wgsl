@@ -1,4 +1,5 @@
-// Marks the voxels that fragments lie in, cut out or not: a bit for each.
+// Marks the voxels that fragments lie in, cut out or not: a bit for each. Or, where they are `listed`, lists the fragments for
+// which there is room: triangle, code of the voxel, samples.
 {{ use("raytracing/world_triangle.wgsl") }}
 {{ use("techniques/voxel_cones/codes.wgsl") }}
 {{ use("techniques/voxel_cones/fragments.wgsl") }}
@@ -17,7 +18,12 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let voxel = voxel_of(t, column);
         if covered(t, column).samples > 0u && in_cube(voxel) {
             let code = code_of({{ depth }}u, vec3u(voxel));
+            {% if listed %}
+            let number = atomicAdd(&fragment_count[0], 1u);
+            if number < parameters.third { fragments[number] = vec4u(index, code, covered(t, column).samples, 0u); }
+            {% else %}
             atomicOr(&occupied[code >> 5u], 1u << (code & 31u));
+            {% endif %}
         }
         at.x += 1u;
         let next = at.x == columns.size.x;

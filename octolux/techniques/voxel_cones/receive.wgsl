@@ -21,10 +21,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let basis = basis_of(normal);
     var sum = vec3f(0.0);
     for (var i = 0u; i < {{ cones }}u; i++) {
-        let square = (f32(i) + shift.x) * {{ 1 / cones }};
-        let angle = {{ 2 * pi }} * fract(f32(i) * {{ cone_turn }} + shift.y);
-        let local = vec3f(sqrt(square) * cos(angle), sqrt(square) * sin(angle), sqrt(1.0 - square));
-        sum += wide_cone(start, from_basis(basis, local), normal, wanted).radiance;
+        sum += wide_cone(start, from_basis(basis, cone_axis(i, shift)), normal, wanted).radiance;
     }
     received[index] = pack_bright({{ 1 / cones }} * bounce.per_unit * sum);
 }

@@ -10,6 +10,7 @@ from ...frame.frame import Frame
 from ...gpu.device import Device
 from ...simulator.grid import Grid
 from ...simulator.voxels.surfaces import around
+from ..debug_views import DebugViews
 from ..technique import Technique
 from .bounces import Bounces
 from .gathering import DiffuseCones, SpecularCones, Voxels
@@ -17,6 +18,7 @@ from .injection import Injection
 from .reading import Reading
 from .settings import VoxelConesSettings
 from .structure import VoxelOctree
+from .views import VoxelViews
 
 
 class VoxelCones(Technique):
@@ -36,17 +38,19 @@ class VoxelCones(Technique):
         self.octree = VoxelOctree(device, s.depth, s.texture_level)
         self.injection = Injection(device, self.octree)
         self.reading = Reading(device, self.octree.bricks)
-        voxels = Voxels(s.depth, self.reading.file, self.reading.bindings, self.reading.structs, self.reading.values,
-                        skips=True)  # fmt: skip
+        reading = self.reading
+        self.voxels = Voxels(s.depth, reading.file, reading.bindings, reading.structs, reading.values, skips=True)
         start: dict[str, Any] = {"offset": s.offset, "cover": s.cover}
         self.diffuse = DiffuseCones(
-            device, voxels, count=s.cones, per_level=s.samples, width=s.width, resolution=s.resolution, **start
+            device, self.voxels, count=s.cones, per_level=s.samples, width=s.width, resolution=s.resolution, **start
         )
-        self.specular = SpecularCones(device, voxels, step=s.step, **start) if s.glossy else None
+        self.specular = SpecularCones(device, self.voxels, step=s.step, **start) if s.glossy else None
         self.bounces = None
         if s.bounces > 1:
             self.bounces = Bounces(device, self.octree, self.reading, s.bounces - 1, s.bounce_level)
         self._built_of: tuple[int, int] | None = None
+        self.frame: Frame | None = None
+        """The last one, for debug views."""
 
     def prepare(self, frame: Frame) -> None:
         self.diffuse.prepare(frame.pixels)
@@ -56,6 +60,7 @@ class VoxelCones(Technique):
             frame.specular = self.specular.specular
 
     def update(self, frame: Frame) -> None:
+        self.frame = frame
         key = (id(frame.gpu_scene), frame.gpu_scene.moves)
         new = self._built_of != key
         if new:
@@ -82,6 +87,10 @@ class VoxelCones(Technique):
         if self.specular:
             with frame.profiler.stage("specular cones") as stage:
                 self.specular.run(stage, frame, grid, **voxels)
+
+    def debug_views(self) -> DebugViews:
+        """See views.py."""
+        return VoxelViews(self).all()
 
 
 def scene_grid(frame: Frame, depth: int) -> Grid:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...frame.shader_values import surface_values
 from ...frame.structs import VIEW
-from ...gpu.bindings import atomic_words, storage, storage_rw, storage_words, uniform
+from ...gpu.bindings import Binding, atomic_words, storage, storage_rw, storage_words, uniform
 from ...gpu.device import Device
 from ...gpu.layout import Struct
 from ...gpu.passes import ComputePass
@@ -65,24 +65,28 @@ class Voxeliser:
         kinds = {"vertices": VERTEX, "triangles": TRIANGLE, "instances": INSTANCE, "items": ITEM}
         scene = [storage_words(name, kind) for name, kind in kinds.items()]
         self._given = [uniform("parameters", PARAMETERS), uniform("cube", CUBE)]
-        fixed: dict[str, Any] = {
+        self._geometry = scene
+        self._fixed: dict[str, Any] = {
             "structs": [*kinds.values(), PARAMETERS, CUBE], "workgroup": WORKGROUP, "depth": octree.depth,
             "cluster_bits": CLUSTER_TRIANGLES.bit_length() - 1, **self.values,
         }  # fmt: skip
         folder = "techniques/voxel_cones"
         self._tiles = ComputePass(
             device, "tiles", f"{folder}/tiles.wgsl",
-            [*scene, *self._given, words("ids"), storage_rw("values", "u32", "write")], **fixed,
+            [*scene, *self._given, words("ids"), storage_rw("values", "u32", "write")], **self._fixed,
         )  # fmt: skip
         self._starts = ComputePass(
             device, "starts", f"{folder}/starts.wgsl",
             [self._given[0], storage("values", "u32"), storage("totals", "u32"), words_out("starts")],
             structs=[PARAMETERS], workgroup=WORKGROUP, row=ROW, block=BLOCK,
         )  # fmt: skip
-        self._mark = ComputePass(
-            device, "fragments", f"{folder}/mark.wgsl",
-            [*scene, *self._given, words("ids"), words("starts"), atomic_words("occupied", "u32")], starts=True,
-            **fixed,
+        self._mark = self._over_tiles([atomic_words("occupied", "u32")], listed=False)
+
+    def _over_tiles(self, out: list[Binding], listed: bool) -> ComputePass:
+        given = [*self._geometry, *self._given, words("ids"), words("starts")]
+        return ComputePass(
+            self.device, "fragments", "techniques/voxel_cones/mark.wgsl", [*given, *out], starts=True, listed=listed,
+            **self._fixed,
         )  # fmt: skip
 
     def cube(self, grid: Grid, peak: float, first: int = 0, room: int = 0, first_leaf: int = 0) -> Any:
@@ -99,7 +103,7 @@ class Voxeliser:
         sums, given = self._sums.sums(max(1, count)), parameters(device, count)
         with profiler.stage("fragments") as stage:
             self._tiles.run(stage, threads(count), parameters=given, cube=cube, ids=textures[0], values=sums.values,
-                            **_geometry(scene))  # fmt: skip
+                            **geometry_resources(scene))  # fmt: skip
             self._sums.run(stage, sums, count, given)
             self._starts.run(stage, threads(count + 1), parameters=given, values=sums.values, totals=sums.totals,
                              starts=textures[1])  # fmt: skip
@@ -112,7 +116,7 @@ class Voxeliser:
             self._mark.run(
                 stage, threads(triangles.tiles), cube=cube, ids=triangles.ids, starts=triangles.starts,
                 parameters=parameters(self.device, triangles.count, second=triangles.tiles), occupied=occupied,
-                **_geometry(scene),
+                **geometry_resources(scene),
             )  # fmt: skip
 
     @staticmethod
@@ -144,5 +148,6 @@ class Voxeliser:
         )  # fmt: skip
 
 
-def _geometry(scene: GpuScene) -> dict[str, Any]:
+def geometry_resources(scene: GpuScene) -> dict[str, Any]:
+    """What passes over tiles read of a scene."""
     return {name: scene.resources[name] for name in ("vertices", "triangles", "instances", "items")}

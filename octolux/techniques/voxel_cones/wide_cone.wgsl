@@ -15,7 +15,9 @@ fn sampled(way: Way, distance: f32, level: u32, step: f32) -> Way {
     let position = lifted(way.start + travelled * way.towards, way.plane, height, f32(1u << of_level));
     let found = sample_voxels(position, of_level, way.towards);
     let rest = max(way.reach - way.before, 0.0) / f32(1u << way.before_level);
-    let traced = covered(way.traced, found, select(step, rest, leaves));
+    let length = select(step, rest, leaves);
+    {% if noted %}note(position, way.towards, f32(of_level), length, found, way.traced);{% endif %}
+    let traced = covered(way.traced, found, length);
     return Way(way.start, way.towards, way.plane, way.reach, distance, level, traced);
 }
 
@@ -44,4 +46,11 @@ fn wide_cone(start: vec3f, towards: vec3f, plane: vec3f, wanted: bool) -> Traced
 // How far the cones of a pixel's phase are moved: outwards on the disc, and around (`phase_shift`).
 fn phase_shift(phase: u32) -> vec2f {
     return vec2f((f32(reverseBits(phase) >> 28u) + 0.5) * {{ 1 / phases }}, fract(f32(phase) * {{ phase_turn }}));
+}
+
+// Of the cone with this number of a set that is moved so: around +z.
+fn cone_axis(number: u32, shift: vec2f) -> vec3f {
+    let square = (f32(number) + shift.x) * {{ 1 / cones }};
+    let angle = {{ 2 * pi }} * fract(f32(number) * {{ cone_turn }} + shift.y);
+    return vec3f(sqrt(square) * cos(angle), sqrt(square) * sin(angle), sqrt(1.0 - square));
 }

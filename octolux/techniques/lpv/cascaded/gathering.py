@@ -9,6 +9,7 @@ import numpy as np
 from ....frame.frame import COPY, STORAGE, TEXTURE, Frame
 from ....gpu.device import Device
 from ....simulator.lpv.octree import level_sizes
+from ...debug_views import DebugViews
 from ..bouncing.bounces import Bounces
 from ..gathering.gathering import Gathering
 from ..geometry import GeometryVolume
@@ -114,13 +115,13 @@ class CascadedGathering:
         """What glossy surfaces reflect, or None."""
         return self.glossy.specular if self.glossy else None
 
-    def debug_views(self) -> dict[str, Any]:
+    def debug_views(self) -> DebugViews:
         """"injected": a list of float32 [z][y][x][rgb][4], W/sr, one for each level; "blocked": the same of
         [z][y][x][3], shares of the cross section."""
-        views = {"injected": self._read(self.injection.injected, (3, 4))}
+        views: dict[str, Any] = {"injected": lambda: self._read(self.injection.injected, (3, 4))}
         if self.geometry:
-            views["blocked"] = self.geometry.blocked()
-        return views
+            views["blocked"] = self.geometry.blocked
+        return DebugViews(views)
 
     def _read(self, buffer: Any, cell: tuple[int, ...]) -> list[np.ndarray]:
         return self.levels.split(np.frombuffer(self.device.queue.read_buffer(buffer), np.float32).reshape(-1, *cell))

@@ -9,6 +9,7 @@ import numpy as np
 from ....frame.frame import Frame
 from ....gpu.device import Device
 from ....simulator.lpv.geometry import BEHIND
+from ...debug_views import DebugViews
 from ..constants import GRID, pack_grids, storage_scale
 from ..geometry import GeometryVolume
 from ..glossy.glossy import PAPER_CELLS, PaperGlossy
@@ -106,17 +107,19 @@ class CascadedStepping:
     def _placed(self) -> tuple[Any, Any, Any]:
         return self.cascades.grids_buffer, self.injection.peak, self.cascades.windows_buffer
 
-    def debug_views(self) -> dict[str, Any]:
+    def debug_views(self) -> DebugViews:
         """"injected" and "accumulated": a list of float32 [z][y][x][rgb][4], W/sr, one for each cascade; "blocked": the
         same of [z][y][x][3], shares of the cross section, half a cell aside."""
-        scale = storage_scale(np.frombuffer(self.device.queue.read_buffer(self.injection.peak), np.float32)[0])
-        views = {
-            "injected": self._read(self.injection.injected, (3, 4)),
-            "accumulated": [level / scale for level in self._read(self.propagation.light, (3, 4))],
-        }
+        views: dict[str, Any] = {
+            "injected": lambda: self._read(self.injection.injected, (3, 4)), "accumulated": self._accumulated,
+        }  # fmt: skip
         if self.geometry:
-            views["blocked"] = self.geometry.blocked()
-        return views
+            views["blocked"] = self.geometry.blocked
+        return DebugViews(views)
+
+    def _accumulated(self) -> list[np.ndarray]:
+        scale = storage_scale(np.frombuffer(self.device.queue.read_buffer(self.injection.peak), np.float32)[0])
+        return [level / scale for level in self._read(self.propagation.light, (3, 4))]
 
     def _read(self, buffer: Any, cell: tuple[int, ...]) -> list[np.ndarray]:
         return self.levels.split(np.frombuffer(self.device.queue.read_buffer(buffer), np.float32).reshape(-1, *cell))

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from ....frame.frame import Frame
 from ....gpu.device import Device
+from ...debug_views import DebugViews
 from ...technique import Technique
 from .cascades import Cascades
 from .gathering import CascadedGathering
@@ -41,5 +40,5 @@ class CascadedLpv(Technique):
     def shade(self, frame: Frame) -> None:
         self.way.shade(frame)
 
-    def debug_views(self) -> dict[str, Any]:
+    def debug_views(self) -> DebugViews:
         return self.way.debug_views()

@@ -10,6 +10,7 @@ from ....frame.frame import COPY, STORAGE, TEXTURE, Frame
 from ....frame.scene_surfels import SceneSurfels
 from ....gpu.device import Device
 from ....simulator.lpv.octree import level_sizes
+from ...debug_views import DebugViews
 from ...technique import Technique
 from ..constants import GRID, pack_grid
 from ..downsampling import Downsampling
@@ -108,16 +109,19 @@ class OctreeLpv(Technique):
         with frame.profiler.stage("lookup") as stage:
             self.gathering.read(stage, frame, self._grid_buffer, peak, self._irradiance)
 
-    def debug_views(self) -> dict[str, Any]:
+    def debug_views(self) -> DebugViews:
         """"injected", and after steps "accumulated": a list of float32 [z][y][x][rgb][4], W/sr, one for each level;
         "blocked": the same of [z][y][x][3], shares of the cross section."""
-        views = {"injected": self._read(self.injection.injected, (3, 4))}
+        views: dict[str, Any] = {"injected": lambda: self._read(self.injection.injected, (3, 4))}
         if self.settings.propagation != "gather":
-            peak = np.frombuffer(self.device.queue.read_buffer(self.injection.peak), np.float32)[0]
-            views["accumulated"] = self.stepping.accumulated(peak)
+            views["accumulated"] = self._accumulated
         if self.geometry:
-            views["blocked"] = self.geometry.blocked()
-        return views
+            views["blocked"] = self.geometry.blocked
+        return DebugViews(views)
+
+    def _accumulated(self) -> list[np.ndarray]:
+        peak = np.frombuffer(self.device.queue.read_buffer(self.injection.peak), np.float32)[0]
+        return self.stepping.accumulated(peak)
 
     def _read(self, buffer: Any, cell: tuple[int, ...]) -> list[np.ndarray]:
         return self.levels.split(np.frombuffer(self.device.queue.read_buffer(buffer), np.float32).reshape(-1, *cell))

@@ -8,6 +8,7 @@ import numpy as np
 
 from ....frame.frame import Frame
 from ....gpu.device import Device
+from ...debug_views import DebugViews
 from ...technique import Technique
 from ..constants import GRID, pack_grid, storage_scale
 from ..injection import Injection
@@ -60,12 +61,15 @@ class UniformLpv(Technique):
         with frame.profiler.stage("lookup") as stage:
             self.lookup.read(stage, frame, self._grid_buffer, self.injection.peak)
 
-    def debug_views(self) -> dict[str, Any]:
+    def debug_views(self) -> DebugViews:
         """"injected" and "accumulated": float32 [z][y][x][rgb][4], W/sr."""
         n = self.settings.n
 
         def read(buffer: Any) -> np.ndarray:
             return np.frombuffer(self.device.queue.read_buffer(buffer), np.float32).reshape(n, n, n, 3, 4)
 
-        scale = storage_scale(np.frombuffer(self.device.queue.read_buffer(self.injection.peak), np.float32)[0])
-        return {"injected": read(self.injection.injected), "accumulated": read(self.propagation.light) / scale}
+        def accumulated() -> np.ndarray:
+            peak = np.frombuffer(self.device.queue.read_buffer(self.injection.peak), np.float32)[0]
+            return read(self.propagation.light) / storage_scale(peak)
+
+        return DebugViews({"injected": lambda: read(self.injection.injected), "accumulated": accumulated})

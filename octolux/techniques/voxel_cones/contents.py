@@ -1,0 +1,83 @@
+"""What an octree's voxels hold, read back and unpacked: NumPy arrays of a level."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...gpu.records import read_records, read_words
+from .pools import OWN
+from .structure import VOXEL, VoxelOctree
+
+VOXEL_VALUES = np.dtype([
+    ("cell", np.int32, 3), ("facing", np.float32, 6), ("light", np.float32, (6, 3)), ("albedo", np.float32, 3),
+    ("emission", np.float32, 3),
+])  # fmt: skip
+"""cell: x, y, z on its level.  facing: shares of its sections that look along each of simulator/voxels/surfaces.
+DIRECTIONS.  light: what it sends each way, nits times share.  albedo, emission (nits): of voxels of level 0, else 0."""
+
+
+def cells_of(codes: np.ndarray, log2_edge: int) -> np.ndarray:
+    """Cells (m, 3) of a level with 2^log2_edge along each side, from their codes (codes.wgsl)."""
+    morton = codes.astype(np.int64) & ((1 << 3 * log2_edge) - 1)
+    cells = np.zeros((len(codes), 3), np.int32)
+    for bit in range(log2_edge):
+        cells |= ((morton[:, None] >> (3 * bit + np.arange(3)) & 1) << bit).astype(np.int32)
+    return cells
+
+
+def node_cells(octree: VoxelOctree, level: int) -> np.ndarray:
+    """Cells (m, 3) that the nodes of a level have, in their order."""
+    first, count = octree.octree.counts.levels[level]
+    return cells_of(octree.codes()[first : first + count], octree.depth - 1 - level)
+
+
+def level_voxels(octree: VoxelOctree, level: int, unit: float) -> np.ndarray:
+    """VOXEL_VALUES of the voxels that nodes of a level own, (8 m,): eight of each, in the order of corners, whether
+    there is anything in them or not. unit: of light, nits."""
+    found = np.zeros((octree.octree.counts.levels[level][1], OWN), VOXEL_VALUES)
+    corners = np.arange(OWN)[:, None] >> np.arange(3) & 1
+    found["cell"] = 2 * node_cells(octree, level)[:, None] + corners
+    found["facing"] = _facing(octree, level)
+    _add_light(octree, level, unit, found["light"])
+    if level == 0:
+        _add_surfaces(octree, found)
+    return found.reshape(-1)
+
+
+def _words(octree: VoxelOctree, buffer: Any, first: int, count: int) -> np.ndarray:
+    if not count:
+        return np.zeros(0, np.uint32)
+    return np.frombuffer(octree.device.queue.read_buffer(buffer, 4 * first, 4 * count), np.uint32)
+
+
+def _facing(octree: VoxelOctree, level: int) -> np.ndarray:
+    """facing.wgsl."""
+    first, count = octree.octree.counts.levels[level]
+    packed = _words(octree, octree.bricks.facing.resource, 2 * OWN * first, 2 * OWN * count).reshape(count, OWN, 2)
+    shares = (packed[..., None, :] >> np.array([[0], [10], [20]], np.uint32) & 1023) / 1023.0
+    return shares.reshape(count, OWN, 6)  # +x, -x, +y, ...
+
+
+def _add_light(octree: VoxelOctree, level: int, unit: float, light: np.ndarray) -> None:
+    bricks, first_node = octree.bricks, octree.octree.counts.levels[level][0]
+    first, count = bricks.levels[level]
+    owners = _words(octree, bricks.owners.resource, first, count)
+    sent = unpack_bright(_words(octree, bricks.light.resource, OWN * first, OWN * count)).reshape(count, OWN, 3)
+    light[(owners >> 3) - first_node, :, owners & 7] = unit * sent
+
+
+def _add_surfaces(octree: VoxelOctree, found: np.ndarray) -> None:
+    """Of the voxels that are occupied: voxel.wgsl, octree.py (`leaves`)."""
+    leaves = read_words(octree.device, octree.octree.leaves.resource, len(found))
+    there = (leaves[:, None] >> np.arange(OWN, dtype=np.uint32) & 1) == 1
+    records = read_records(octree.device, octree.voxels.resource, VOXEL, octree.octree.counts.voxels)
+    roots = (records["albedo"][:, None] >> np.array([0, 8, 16], np.uint32) & 255) / 255.0
+    found["albedo"][there], found["emission"][there] = roots**2, octree.peak * unpack_bright(records["emission"])
+
+
+def unpack_bright(packed: np.ndarray) -> np.ndarray:
+    """Shares (m, 3) from words (m,) of bright.wgsl."""
+    codes = packed[:, None] >> np.array([0, 9, 18], np.uint32) & 511
+    return codes * 2.0 ** ((packed >> 27).astype(np.float64)[:, None] - 40.0)

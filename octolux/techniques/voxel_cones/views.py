@@ -1,0 +1,157 @@
+"""Debug views of `voxel-cones`: what the octree holds, as numbers and as the camera sees it (VCT 5.2, figures 5.4
+and 5.5, appendix C)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...frame.frame import Frame
+from ...scene.errors import OctoluxError
+from ...simulator.voxels.surfaces import DIRECTIONS
+from ..debug_views import DebugViews, Pixel
+from .contents import level_voxels, node_cells
+from .drawing import Drawing, picture
+from .fragment_list import FragmentList
+from .pixel_cones import PixelCones, cone_colour, drawn_over
+
+if TYPE_CHECKING:
+    from .technique import VoxelCones
+
+WAYS = ("+x", "-x", "+y", "-y", "+z", "-z")
+"""Names of simulator/voxels/surfaces.DIRECTIONS."""
+_SURFACES = ("albedo", "emission")  # which only voxels of level 0 have
+_VALUES = ("normal", "opacity", *(f"opacity{way}" for way in WAYS), "light", *(f"light{way}" for way in WAYS))
+_UPDATED, _KEPT = (1.0, 0.4, 0.05), (0.15, 0.2, 0.3)
+
+
+class VoxelViews:
+    """Of the last frame of a technique; `all` names them."""
+
+    def __init__(self, technique: VoxelCones):
+        self._technique = technique
+
+    def all(self) -> DebugViews:
+        """`voxels:LEVEL`, `nodes`, `fragments`, `updates` and `cones` are numbers, all others pictures."""
+        makers: dict[str, Callable[[], Any]] = {}
+        levels = range(self._technique.octree.depth)
+        for level in levels:
+            makers[f"voxels:{level}"] = partial(self.voxels, level)
+        for level in levels:
+            for value in (*(_SURFACES if level == 0 else ()), *_VALUES):
+                makers[f"voxels:{level}:{value}"] = partial(self.drawn_voxels, level, value)
+        makers |= {"fragments": self.fragments, "fragments:drawn": self.drawn_fragments, "nodes": self.nodes}
+        makers |= {f"nodes:{level}": partial(self.drawn_nodes, level) for level in levels}
+        makers["updates"] = self.updates
+        makers |= {f"updates:{level}": partial(self.drawn_updates, level) for level in levels}
+        return DebugViews(makers, {"cones": self.cones, "cones:drawn": self.drawn_cones})
+
+    @property
+    def _frame(self) -> Frame:
+        frame = self._technique.frame
+        if frame is None:
+            raise OctoluxError("There is nothing to look at before a frame has been rendered.")
+        return frame
+
+    def voxels(self, level: int) -> np.ndarray:
+        """contents.VOXEL_VALUES of the level's voxels in which something faces any way."""
+        found = self._all_voxels(level)
+        return found[found["facing"].any(axis=1)]
+
+    def drawn_voxels(self, level: int, value: str) -> np.ndarray:
+        """The level's voxels as the camera sees them. Light and emission are exposed as the picture is."""
+        return self._draw(level, self._shown(self._all_voxels(level), value), nodes=False)
+
+    def _all_voxels(self, level: int) -> np.ndarray:
+        _ = self._frame
+        return level_voxels(self._technique.octree, level, self._technique.injection.unit)
+
+    def _shown(self, found: np.ndarray, value: str) -> np.ndarray:
+        """Colours (m, 3)."""
+        facing, exposure = found["facing"], self._frame.exposure_factor
+        if value in _SURFACES:
+            return found[value] * (exposure if value == "emission" else 1.0)
+        if value == "normal":
+            mean = facing @ DIRECTIONS
+            return 0.5 + 0.5 * mean / np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-9)
+        if value == "opacity":  # across each axis, of the way that faces more
+            return np.maximum(facing[:, 0::2], facing[:, 1::2])
+        if value == "light":  # of all ways, for what faces them
+            return exposure * found["light"].sum(axis=1) / np.maximum(facing.sum(axis=1), 1e-9)[:, None]
+        way = WAYS.index(value[-2:])
+        if value.startswith("opacity"):
+            return np.repeat(facing[:, way, None], 3, axis=1)
+        return exposure * found["light"][:, way]
+
+    def _draw(self, level: int, values: np.ndarray, nodes: bool) -> np.ndarray:
+        octree, frame = self._technique.octree, self._frame
+        first = octree.octree.counts.levels[level][0]
+        met = Drawing(self._technique.device, octree, level, nodes).met(frame)
+        return picture(met, first if nodes else 8 * first, np.clip(values, 0.0, 1.0))
+
+    def fragments(self) -> np.ndarray:
+        """fragment_list.FRAGMENT of all that is drawn."""
+        octree, scene = self._technique.octree, self._frame.gpu_scene
+        return FragmentList(self._technique.device, octree.octree).list(scene, octree)
+
+    def drawn_fragments(self) -> np.ndarray:
+        """How many fragments lie in each voxel of level 0: darkest for one, and twice as many a step brighter."""
+        n = self._technique.octree.grid.n
+        counts = np.zeros((n, n, n), np.int64)
+        np.add.at(counts, tuple(self.fragments()["voxel"].T), 1)
+        steps = np.log2(2.0 * np.maximum(counts, 1))
+        x, y, z = self._all_voxels(0)["cell"].T
+        shown = (steps / steps.max())[x, y, z]
+        return self._draw(0, np.repeat(shown[:, None], 3, axis=1), nodes=False)
+
+    def nodes(self) -> np.ndarray:
+        """int32 (m, 4), of all nodes in their order: level, and the cell x, y, z of 2^3 of its voxels."""
+        _ = self._frame
+        return np.concatenate([self._level_nodes(level) for level in range(self._technique.octree.depth)][::-1])
+
+    def _level_nodes(self, level: int) -> np.ndarray:
+        return np.insert(node_cells(self._technique.octree, level), 0, level, axis=1)
+
+    def drawn_nodes(self, level: int) -> np.ndarray:
+        """Each in another colour."""
+        count = self._technique.octree.octree.counts.levels[level][1] if self._frame else 0
+        return self._draw(level, np.array([cone_colour(i) for i in range(count)]).reshape(-1, 3), nodes=True)
+
+    def updates(self) -> np.ndarray:
+        """The rows of `nodes` whose bricks the last frame made anew (VCT 5.5: the update list)."""
+        return self.nodes()[self._updated()]
+
+    def _updated(self) -> np.ndarray:
+        """bool, of each node."""
+        octree, made = self._technique.octree, np.zeros(self._technique.octree.octree.counts.nodes, bool)
+        made[octree.filtering.updated_nodes()] = True
+        return made
+
+    def drawn_updates(self, level: int) -> np.ndarray:
+        """Nodes made anew are orange."""
+        _ = self._frame
+        first, count = self._technique.octree.octree.counts.levels[level]
+        made = self._updated()[first : first + count, None]
+        return self._draw(level, np.where(made, _UPDATED, _KEPT), nodes=True)
+
+    def cones(self, pixel: Pixel) -> np.ndarray:
+        """pixel_cones.CONE_SAMPLE of the pixel's cones, the diffuse ones and then, where surfaces are `glossy`, the
+        specular one."""
+        technique, frame = self._technique, self._frame
+        s = technique.settings
+        traced = PixelCones(
+            technique.device, technique.voxels, count=s.cones, per_level=s.samples, width=s.width, step=s.step,
+            resolution=s.resolution, offset=s.offset, cover=s.cover, glossy=s.glossy,
+        )  # fmt: skip
+        at = pixel or (frame.pixels[0] // 2, frame.pixels[1] // 2)
+        return traced.samples(frame, technique.octree.grid, at, **technique.reading.resources)
+
+    def drawn_cones(self, pixel: Pixel) -> np.ndarray:
+        """The picture, and on it the samples."""
+        frame, samples = self._frame, self.cones(pixel)
+        radiance = self._technique.device.read_texture(frame.targets.radiance, np.float32, 4)[..., :3]
+        exposed = np.clip(radiance * np.float32(frame.exposure_factor), 0.0, 1.0)
+        return drawn_over(exposed, samples, frame.views[0], self._technique.octree.grid, frame.exposure_factor)
