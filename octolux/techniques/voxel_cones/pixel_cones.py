@@ -35,8 +35,8 @@ class PixelCones(Gathering):
     """Traces cones as DiffuseCones and, if `glossy`, SpecularCones do. step: of the latter."""
 
     def __init__(
-        self, device: Device, voxels: Voxels, *, count: int, per_level: int, width: float, resolution: int, offset: float,
-        cover: str, step: float, glossy: bool,
+        self, device: Device, voxels: Voxels, *, count: int, per_level: int, width: float, resolution: int,
+        offset: float, cover: str, step: float, glossy: bool,
     ):  # fmt: skip
         super().__init__(device, voxels, resolution, offset, cover)
         self._cones = count + glossy
