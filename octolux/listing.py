@@ -7,7 +7,7 @@ from typing import Any
 
 from .scene.builtin import BUILTIN, description
 from .techniques import TECHNIQUES
-from .techniques.settings import allowed_text
+from .techniques.settings import Form, allowed_text
 
 
 def techniques() -> list[dict[str, Any]]:
@@ -25,16 +25,21 @@ def techniques() -> list[dict[str, Any]]:
 
 def _setting(field: dataclasses.Field) -> dict[str, Any]:
     about = field.metadata
-    allowed = about["allowed"]
     return {
         "name": field.name,
         "default": field.default,
         "meaning": about["meaning"],
         "unit": about["unit"],
-        "allowed": {"one_of": list(allowed)} if isinstance(allowed, tuple) else {"from": allowed[0], "to": allowed[1]},
+        "allowed": _allowed(about["allowed"]),
         "cost": about["cost"],
         "source": about["source"],
     }
+
+
+def _allowed(allowed: Any) -> dict[str, Any]:
+    if isinstance(allowed, Form):
+        return {"form": allowed.text}
+    return {"one_of": list(allowed)} if isinstance(allowed, tuple) else {"from": allowed[0], "to": allowed[1]}
 
 
 def technique_lines() -> list[str]:

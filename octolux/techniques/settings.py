@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
+from collections.abc import Callable
 from typing import Any, ClassVar, Self
 
 from ..scene.errors import OctoluxError
@@ -13,11 +14,19 @@ class SettingsError(OctoluxError):
     """A setting, preset or technique that does not exist, or a value that is not allowed."""
 
 
+@dataclasses.dataclass(frozen=True)
+class Form:
+    """Texts that say more than a name. text: what they are, for people.  read: what one says, or ValueError."""
+
+    text: str
+    read: Callable[[str], Any]
+
+
 def setting(default: Any, *, meaning: str, unit: str, allowed: Any, cost: str, source: str) -> Any:
     """A field of a settings class.
 
-    allowed: a tuple of choices, or a `range`-like pair [low, high] as a list.  cost: what more and less of it does.
-    source: the paper's section it comes from.
+    allowed: a tuple of choices, a `range`-like pair [low, high] as a list, or a Form of texts.  cost: what more and
+    less of it does.  source: the paper's section it comes from.
     """
     metadata = {"meaning": meaning, "unit": unit, "allowed": allowed, "cost": cost, "source": source}
     return dataclasses.field(default=default, metadata=metadata)
@@ -64,6 +73,8 @@ class Settings:
 
 def allowed_text(allowed: Any, unit: str) -> str:
     """What a setting may be, for people: `one of a, b` or `0 to 256 (steps)`."""
+    if isinstance(allowed, Form):
+        return allowed.text + (f" ({unit})" if unit else "")
     if isinstance(allowed, tuple):
         return "one of " + ", ".join(map(str, allowed))
     return f"{allowed[0]} to {allowed[1]}" + (f" ({unit})" if unit else "")
@@ -73,7 +84,9 @@ def _check(field: dataclasses.Field, value: Any) -> None:
     allowed = field.metadata["allowed"]
     kind = type(field.default)
     good = isinstance(value, kind) or (kind is float and isinstance(value, int) and not isinstance(value, bool))
-    if good and isinstance(allowed, tuple):
+    if good and isinstance(allowed, Form):
+        good = _reads(allowed, value)
+    elif good and isinstance(allowed, tuple):
         good = value in allowed
     elif good:
         good = allowed[0] <= value <= allowed[1]
@@ -81,6 +94,14 @@ def _check(field: dataclasses.Field, value: Any) -> None:
         raise SettingsError(
             f"Setting '{field.name}' is {allowed_text(allowed, field.metadata['unit'])}, not {value!r}."
         )
+
+
+def _reads(form: Form, text: str) -> bool:
+    try:
+        form.read(text)
+    except ValueError:
+        return False
+    return True
 
 
 def _parse(field: dataclasses.Field, text: str) -> Any:

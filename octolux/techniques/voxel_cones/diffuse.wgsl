@@ -33,5 +33,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     }
     let shown = select(vec4f(0.0, 0.0, 0.0, 1.0), vec4f({{ pi / cones }} * irradiance, {{ 1 / cones }} * visible), seen.there);
     textureStore(light_out, at, shown);
-    textureStore(place_out, at, vec4f(seen.normal, seen.depth));
+    textureStore(place_out, at, vec4f(seen.normal, select(0.0, seen.depth, seen.there)));
 }

@@ -5,8 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
+
 from ...simulator.voxels.cones import COVERS
-from ..settings import Settings, setting
+from ..settings import Form, Settings, setting
+
+
+def read_box(text: str) -> tuple[np.ndarray, np.ndarray] | None:
+    """The lowest and highest corner that six numbers say, (3,) each, metres; None for "scene". Raises ValueError."""
+    if text == "scene":
+        return None
+    low, high = np.array([float(part) for part in text.split()]).reshape(2, 3)
+    if not ((low >= -_FARTHEST) & (low < high) & (high <= _FARTHEST)).all():
+        raise ValueError("a box has its lowest corner first, and is not farther away than float32 tells places apart")
+    return low, high
+
+
+_FARTHEST = 1e6  # m; float32 has 0.06 m there
+BOX = Form("`scene`, or six numbers with spaces between: the lowest corner's x y z, then the highest's", read_box)
 
 
 @dataclass(frozen=True)
@@ -18,6 +34,11 @@ class VoxelConesSettings(Settings):
         8, meaning="levels of the octree: 2^depth voxels along each side of the cube around the scene", unit="levels",
         allowed=[6, 9], cost="each one more takes four times the memory and the time of filtering",
         source="VCT 5.2, tables 6.6 and 6.9",
+    )  # fmt: skip
+    box: str = setting(
+        "scene", meaning="what the cube of voxels is around: the scene's box, or another. Outside, nothing is lit by "
+        "voxels, and light that falls there is lost", unit="m", allowed=BOX,
+        cost="none; a smaller one has smaller voxels", source="VCT 5.2",
     )  # fmt: skip
     texture_level: float = setting(
         0.0, meaning="mip level of textures that voxels take their colour from, over that whose texels are as large as "

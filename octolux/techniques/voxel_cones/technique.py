@@ -16,7 +16,7 @@ from .bounces import Bounces
 from .gathering import DiffuseCones, SpecularCones, Voxels
 from .injection import Injection
 from .reading import Reading
-from .settings import VoxelConesSettings
+from .settings import VoxelConesSettings, read_box
 from .structure import VoxelOctree
 from .views import VoxelViews
 
@@ -64,7 +64,7 @@ class VoxelCones(Technique):
         key = (id(frame.gpu_scene), frame.gpu_scene.moves)
         new = self._built_of != key
         if new:
-            self.octree.build(frame.profiler, frame.gpu_scene, scene_grid(frame, self.settings.depth))
+            self.octree.build(frame.profiler, frame.gpu_scene, scene_grid(frame, self.settings))
             self._built_of = key
         with frame.profiler.stage("injection") as stage:
             everything = self.injection.run(stage, frame) or new
@@ -93,9 +93,9 @@ class VoxelCones(Technique):
         return VoxelViews(self).all()
 
 
-def scene_grid(frame: Frame, depth: int) -> Grid:
-    """The cube of voxels around what is drawn."""
-    low, high = frame.world_box
+def scene_grid(frame: Frame, settings: VoxelConesSettings) -> Grid:
+    """The cube of voxels around what is drawn, or another box."""
+    low, high = read_box(settings.box) or frame.world_box
     if not np.any(high > low):  # an empty scene: any box will do
         high = low + 1.0
-    return around(low, high, depth)
+    return around(low, high, settings.depth)
