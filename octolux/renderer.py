@@ -216,7 +216,7 @@ class Renderer:
         return Frame(
             self.device, profiler, scene, gpu_scene, settings, self.targets, lights, views, draws, buffers,
             samples=samples, exposure_factor=self._exposure_factor(), metering=metering, progress=self.progress,
-            transparent=self._composite.transparent,
+            transparent=self._composite.transparent, sky_shines=not self.technique.gathers_sky,
             start=self.start, surroundings_map=self._surroundings, medium=self._medium(scene),
         )  # fmt: skip
 

@@ -52,6 +52,8 @@ class DirectLightPass:
 
     def run(self, frame: Frame, shadow_sampler: Any, surroundings: SurroundingsMap) -> None:
         counts, areas = frame.lights.counts, area_lights(frame.lights.emitters)
+        if not frame.sky_shines:
+            counts = (*counts[:4], 0)  # the sky's lights are the last
         more = {"coarse_maps": frame.coarse_maps} if any(counts[3:]) else {}
         if counts[4]:
             step = min(_SKY_PARTS, frame.samples, max(1, counts[4] // _LEAST_OF_SKY))

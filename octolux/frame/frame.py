@@ -116,7 +116,7 @@ class Frame:
     space, or None.  inscattered, transmittance: rgba32float textures of fog, None where there is none.
     sample, samples: which of the samples of each pixel is being made, and of how many.
     exposure_factor: from nits to the picture's unit.  metering: the frame is only made to set the exposure.
-    transparent: the surroundings are not to be seen.
+    transparent: the surroundings are not to be seen.  sky_shines: they shine directly, past their shadow maps.
     start: paths of an earlier run that the picture goes on from.
     progress: told how much of a long frame is done, of how much; it returns whether to go on.
     """
@@ -147,6 +147,7 @@ class Frame:
     exposure_factor: float = 1.0
     metering: bool = False
     transparent: bool = False
+    sky_shines: bool = True
     start: TracedPaths | None = None
     progress: Callable[[int, int], bool] | None = None
     surroundings_map: Any = None

@@ -20,6 +20,7 @@ class Technique(ABC):
     replaces_direct: it makes the whole picture, with direct light and what is seen of the surroundings.
     soft_light: whether emitters and the sky shine directly, past their shadow maps; False where the technique's light
     cache brings their light.
+    gathers_sky: whether it brings the sky's direct light too; lights that stand for it are then there for RSMs only.
     label: what the labels of its resources begin with; "" where it has none.
     """
 
@@ -32,6 +33,7 @@ class Technique(ABC):
     label: ClassVar[str] = ""
 
     soft_light: bool = True
+    gathers_sky: bool = False
 
     def __init__(self, device: Device, settings: Settings):
         self.device, self.settings = device, settings

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-import numpy as np
-from gpu_tools import scene_of
-from test_voxel_cones_pictures import FLOOR, PAINT, from_above, renderer, technique
+from dataclasses import replace
+from math import pi
 
-from octolux.scene.builtin.shapes import quad
-from octolux.scene.lights import DirectionalLight
+import numpy as np
+import pytest
+from gpu_tools import scene_of
+from test_voxel_cones_pictures import FLOOR, PAINT, PRESETS, from_above, renderer, technique
+
+from octolux.picture import Picture
+from octolux.scene.builtin.shapes import box, quad
+from octolux.scene.cameras import Camera
+from octolux.scene.environment import Environment
+from octolux.scene.lights import DirectionalLight, PointLight
+from octolux.scene.materials import Material
 from octolux.scene.scene import Scene
 
 SUN = DirectionalLight(direction=(-1.0, 0.0, 0.0), illuminance=(5.0, 6.0, 7.0))
@@ -32,3 +40,55 @@ def test_a_box_of_its_own(device):
     x = np.abs((np.arange(96) + 0.5) / 48.0 - 1.0)
     assert (found[40:56, x < 0.35].min(axis=-1) > 0.0).all() and not found[:, x > 0.53 + 8 / 48].any()
     np.testing.assert_array_equal(found, alone.layers["irradiance"])
+
+
+SKY = Environment((3.0, 2.0, 1.0))
+
+
+def under_sky(device, scene: Scene, camera=None, lights: int = 0, **settings) -> Picture:
+    made = renderer(device, scene, **settings)
+    made.frame_settings = replace(made.frame_settings, sky_lights=lights)
+    return made.render(camera)
+
+
+@pytest.mark.parametrize("material", [PAINT, Material(metallic=1.0, roughness=0.3)], ids=["paint", "white metal"])
+@pytest.mark.parametrize("preset", PRESETS)
+def test_a_plane_under_an_even_sky_seen_by_cones(device, preset, material):
+    """pi times the sky's radiance arrives, within what is asked of cones; and it is in the picture once, as when it
+    comes past shadow maps, which have no shadows here either."""
+    scene, camera = scene_of([FLOOR], [material], environment=SKY), from_above(2.0, 1.0)
+    by_cones = under_sky(device, scene, camera, 8, preset=preset, sky=True)
+    by_maps = under_sky(device, scene, camera, 8, preset=preset)
+    np.testing.assert_allclose(by_cones.layers["irradiance"], np.broadcast_to(pi * np.array(SKY.radiance), (24, 32, 3)),
+                               rtol=0.03)  # fmt: skip
+    assert not by_cones.layers["direct"].any() and not by_maps.layers["irradiance"].any()
+    np.testing.assert_allclose(by_cones.radiance, by_maps.radiance, rtol=0.03)
+
+
+def test_no_sky_reaches_into_a_closed_box(device):
+    """Cones meet walls wherever they go; ambient visibility there is 0 within 0.05."""
+    room = box((-1, -1, -1), (1, 1, 1), inward=True)
+    inside = Camera.look_at((0.0, 0.6, 0.9), (0.0, -0.6, -1.0), vertical_fov=1.2)
+    picture = under_sky(device, scene_of([room], [PAINT], environment=SKY), inside, sky=True)
+    assert picture.mask.all() and picture.layers["irradiance"].max() <= 0.05 * pi * max(SKY.radiance)
+
+
+def test_the_sky_is_counted_once(device):
+    """Of a wall's foot half of the sky is seen, whether cones or shadow maps say so; and the wall reflects it to the
+    floor either way."""
+    wall = quad([(-1, 0, -1), (1, 0, -1), (1, 1, -1), (-1, 1, -1)])
+    scene, camera = scene_of([FLOOR, wall], [PAINT], environment=SKY), from_above(3.0, 2.0)
+    by_cones, by_maps = (under_sky(device, scene, camera, 32, sky=sky, depth=7) for sky in (True, False))
+    assert by_maps.layers["indirect"].any() and not by_cones.layers["direct"].any()
+    seen = by_maps.mask
+    np.testing.assert_allclose(by_cones.radiance[seen].mean(axis=0), by_maps.radiance[seen].mean(axis=0), rtol=0.05)
+
+
+def test_lamps_shine_beside_a_sky_seen_by_cones(device):
+    """Only the sky leaves the direct light."""
+    lamp = PointLight(position=(0.2, 1.0, 0.3), intensity=(5.0, 6.0, 7.0))
+    scene = scene_of([FLOOR], [PAINT], environment=SKY, lights=[lamp])
+    lit = under_sky(device, scene, from_above(2.0, 1.0), 8, sky=True).layers["direct"]
+    alone = under_sky(device, replace(scene, environment=Environment()), from_above(2.0, 1.0)).layers["direct"]
+    assert alone.any()
+    np.testing.assert_array_equal(lit, alone)

@@ -189,21 +189,24 @@ class DiffuseCones(Gathering):
 
 class SpecularCones(Gathering):
     """Radiance that every pixel reflects through a cone as wide as its lobe, weighted by its BRDF: rgba32float
-    `specular`, nits. step: between samples, in voxels as large as the cone. Otherwise as `Gathering`."""
+    `specular`, nits. step: between samples, in voxels as large as the cone. sky: what is left of cones that meet
+    nothing sees the surroundings. Otherwise as `Gathering`."""
 
     def __init__(
         self, device: Device, voxels: Voxels, *, step: float = 1.0, resolution: int = 1, offset: float = 1.0,
-        cover: str = "surfaces",
+        cover: str = "surfaces", sky: bool = False,
     ):  # fmt: skip
         super().__init__(device, voxels, resolution, offset, cover)
         if not 0.125 <= step <= 2.0:
             raise OctoluxError(f"Samples of a specular cone are 0.125 to 2 voxels apart, not {step}.")
-        table = texture("brdf_table")
+        self._sky, table = sky, texture("brdf_table")
         places = ["light_out", "place_out"] if resolution > 1 else ["light_out"]
         self._trace = ComputePass(
             device, "specular cones", "techniques/voxel_cones/specular.wgsl",
-            [*self._read, table, *(storage_texture(name, "rgba32float") for name in places)], structs=self._structs,
-            step=float(step), lobe=CONE, skip=voxels.skips, darkest=_DARKEST, sky=False, **self._values,
+            [*self._read, *(SurroundingsMap.bindings() if sky else [table]),
+             *(storage_texture(name, "rgba32float") for name in places)],
+            structs=[*self._structs, *([ENVIRONMENT] if sky else [])], step=float(step), lobe=CONE, skip=voxels.skips,
+            darkest=_DARKEST, sky=sky, **self._values,
         )  # fmt: skip
         if resolution > 1:
             raw = [storage_texture(name, "rgba32float", access="read") for name in ("light_map", "place_map")]
@@ -223,9 +226,13 @@ class SpecularCones(Gathering):
 
     def run(self, stage: Any, frame: Frame, grid: Grid, **voxels: Any) -> None:
         """Write `specular`. grid: of the voxels; voxels: what the bindings of `Voxels` name."""
-        table = {"brdf_table": frame.surroundings_map.resources["brdf_table"]}
+        around = frame.surroundings_map.resources
+        table = {"brdf_table": around["brdf_table"]}
         out = {"light_out": self._light, **({"place_out": self._place} if self._resolution > 1 else {})}
-        self._trace.run(stage, self._light.size[:2], **self._resources(frame, grid), **voxels, **table, **out)
+        self._trace.run(
+            stage, self._light.size[:2], **self._resources(frame, grid), **voxels, **(around if self._sky else table),
+            **out,
+        )  # fmt: skip
         if self._resolution > 1:
             self._reflect.run(
                 stage, frame.pixels, **_seen_by(frame), **table, light_map=self._light, place_map=self._place,

@@ -73,6 +73,12 @@ class VoxelConesSettings(Settings):
         True, meaning="glossy surfaces reflect the voxels", unit="", allowed=(False, True),
         cost="a tight cone a pixel, some 60 ms of a CPU at 1280 x 720", source="VCT 5.6",
     )  # fmt: skip
+    sky: bool = setting(
+        False, meaning="what is left of cones sees the sky, whose direct light then comes through them, and with "
+        "`glossy` its reflection; else past shadow maps. What surfaces reflect of it is in the voxels either "
+        "way", unit="", allowed=(False, True),
+        cost="direct light takes less time; wide cones take small openings for closed", source="VCT 3.6; ours",
+    )  # fmt: skip
     step: float = setting(
         1.0, meaning="between samples of a specular cone, in voxels as large as it is wide", unit="voxels",
         allowed=[0.125, 2.0], cost="time is inversely proportional; more leaves gaps", source="VCT 5.6",

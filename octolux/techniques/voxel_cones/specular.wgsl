@@ -13,10 +13,15 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let wanted = seen.there && any(albedo > vec3f({{ darkest }}));
     let towards = reflected_direction(seen.surface, seen.to_eye);
     let traced = tight_cone(seen.start, towards, seen.geometric, {{ lobe }} * alpha_of(seen.surface), wanted);
+    {% if sky %}
+    let light = traced.radiance + traced.left * environment_lobe(towards, alpha_of(seen.surface));
+    {% else %}
+    let light = traced.radiance;
+    {% endif %}
     {% if resolution > 1 %}
-    textureStore(light_out, id.xy, vec4f(traced.radiance, 1.0));
+    textureStore(light_out, id.xy, vec4f(light, 1.0));
     textureStore(place_out, id.xy, vec4f(seen.normal, select(0.0, seen.depth, wanted)));
     {% else %}
-    textureStore(light_out, id.xy, vec4f(albedo * traced.radiance, 1.0));
+    textureStore(light_out, id.xy, vec4f(albedo * light, 1.0));
     {% endif %}
 }

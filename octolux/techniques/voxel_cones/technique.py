@@ -40,7 +40,8 @@ class VoxelCones(Technique):
         self.reading = Reading(device, self.octree.bricks)
         reading = self.reading
         self.voxels = Voxels(s.depth, reading.file, reading.bindings, reading.structs, reading.values, skips=True)
-        start: dict[str, Any] = {"offset": s.offset, "cover": s.cover}
+        start: dict[str, Any] = {"offset": s.offset, "cover": s.cover, "sky": s.sky}
+        self.gathers_sky = s.sky
         self.diffuse = DiffuseCones(
             device, self.voxels, count=s.cones, per_level=s.samples, width=s.width, resolution=s.resolution, **start
         )
