@@ -33,6 +33,13 @@ def words(name: str) -> Binding:
     return _binding(name, "read", f"fn load_{name}(index: u32) -> u32 {{ return {load}; }}", _WORD_FORMAT)
 
 
+def sampled_words(name: str) -> Binding:
+    """The same as `words`, for passes whose four storage textures are taken."""
+    layout = {"texture": {"sample_type": "uint", "view_dimension": "2d"}}
+    load = f"fn load_{name}(index: u32) -> u32 {{ return textureLoad({name}, {_PLACE % ('index', 'index')}, 0).x; }}"
+    return Binding(name, f"var {name}: texture_2d<u32>;", "read", layout, loader=load)
+
+
 def words_out(name: str) -> Binding:
     """The same, that it writes with `store_NAME(index, word)`."""
     store = f"textureStore({name}, {_PLACE % ('index', 'index')}, vec4u(word, 0u, 0u, 0u));"

@@ -70,6 +70,21 @@ class GpuScene:
         return self._placed.history.static_version
 
     @property
+    def has_changed(self) -> np.ndarray:
+        """bool (drawn instances,): which have moved, been deformed or got another material (history.py)."""
+        return self._placed.history.has_changed
+
+    @property
+    def lasting_version(self) -> int:
+        """Grows when what is drawn of the others began to change, appeared or vanished (history.py)."""
+        return self._placed.history.lasting_version
+
+    @property
+    def item_boxes(self) -> tuple[np.ndarray, np.ndarray]:
+        """World-space boxes of all items, low and high, float64 (items, 3), m."""
+        return self._placed.item_boxes
+
+    @property
     def has_emission(self) -> bool:
         return self.values["emissive"]
 

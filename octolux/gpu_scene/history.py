@@ -23,13 +23,17 @@ class InstanceHistory:
     moving: bool (drawn instances,).
     static_version: grows with every sync in which something static began to move, appeared, vanished or got another
         material: who keeps surfels of static surfaces forgets them then.
+    has_changed: bool (drawn instances,), whose transform, mesh or material has ever been another since it appeared.
+    lasting_version: grows with every sync in which something that had not changed did, or vanished, or in which
+        something appeared: who keeps what is made of all that has not makes it anew then.
 
     Instances are known again as the same objects or else, where a pose has replaced them, by their place in
     `Scene.instances`. Transforms are compared by value; meshes, which are frozen, by the identity of their arrays.
     """
 
     def __init__(self) -> None:
-        self.static_version = 0
+        self.static_version = self.lasting_version = 0
+        self.has_changed = np.zeros(0, bool)
         self._syncs = 0
         self._drawn: Drawn | None = None
         self._transforms = np.zeros((0, 4, 4))
@@ -55,19 +59,30 @@ class InstanceHistory:
         changed = np.full(len(used), self._syncs - MOVING_SYNCS, np.int64)  # who appears is static
         changed[known] = self._changed[old]
         moved, forgotten = np.zeros(len(used), bool), np.zeros(len(was_static), bool)
+        ever, other = np.zeros(len(used), bool), np.zeros(len(was_static), bool)
         if before is not None:
             moved[known] = (transforms[known] != self._transforms[old]).any(axis=(1, 2))
             moved[known] |= _reshaped(before, old, drawn, known)
             forgotten[old] = moved[known] | (_ids(self._materials)[old] != _ids(used)[known])
-            forgotten |= np.bincount(old, minlength=len(forgotten)) == 0  # vanished
+            other[old] = forgotten[old] | (_mesh_ids(before)[old] != _mesh_ids(drawn)[known])
+            ever[known] = self.has_changed[old] | other[old]
+            vanished = np.bincount(old, minlength=len(forgotten)) == 0
+            forgotten, other = forgotten | vanished, other | vanished
         changed[moved] = self._syncs
-        self.static_version += bool(len(known) < len(used) or (forgotten & was_static).any())
+        appeared = len(known) < len(used)
+        self.static_version += bool(appeared or (forgotten & was_static).any())
+        self.lasting_version += bool(appeared or (other & ~self.has_changed).any())
+        self.has_changed = ever
         self._drawn, self._transforms, self._materials, self._changed = drawn, transforms, used, changed
 
 
 def _ids(objects: Sequence[object]) -> np.ndarray:
     """Identities, to compare many at once; of objects that are kept alive."""
     return np.fromiter(map(id, objects), np.int64, len(objects))
+
+
+def _mesh_ids(drawn: Drawn) -> np.ndarray:
+    return _ids([slot.mesh for slot in drawn.slots])
 
 
 def _known_again(before: Drawn, now: Drawn) -> np.ndarray:

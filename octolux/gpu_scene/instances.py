@@ -96,6 +96,11 @@ class InstanceTable:
             self.bounds = (np.zeros(3), np.zeros(3))
         self._upload(rows, items)
 
+    @property
+    def item_boxes(self) -> tuple[np.ndarray, np.ndarray]:
+        """float64 (items, 3) each, m: the lowest and the highest corner of each item's box, in world space."""
+        return self._low, self._high
+
     def _sizes(self, owner: np.ndarray) -> np.ndarray:
         """float64 (drawn instances,), m: the longest edge of the box around an instance's clusters as they are posed.
         Each has at least one, and they stand together."""

@@ -202,9 +202,12 @@ def _same(before: Topology | None, now: Topology) -> bool:
     return all(a[0] is b[0] and a[1:] == b[1:] for a, b in zip(before, now, strict=True))
 
 
-def triangle_ids(scene: GpuScene) -> np.ndarray:
-    """uint32 (triangles,): the numbers of all that is drawn, as the visibility buffer has them less one."""
+def triangle_ids(scene: GpuScene, chosen: np.ndarray | None = None) -> np.ndarray:
+    """uint32 (triangles,): the numbers of all that is drawn, as the visibility buffer has them less one. chosen: bool
+    (items,), of these alone."""
     counts = np.concatenate([s.clusters.count for s in scene.drawn.slots]) if scene.drawn.slots else np.zeros(0, int)
+    if chosen is not None:
+        counts = np.where(chosen, counts, 0)
     first = np.cumsum(counts) - counts
     items = np.repeat(np.arange(len(counts)), counts)
     return (items << _CLUSTER_BITS | (np.arange(len(items)) - first[items])).astype(np.uint32)

@@ -134,3 +134,30 @@ def test_sizes_are_the_longest_edges_in_the_world(device, seen):
     scene.instances[0] = Instance(0, turned)
     gpu_scene.sync(scene)
     np.testing.assert_allclose(rows(device, gpu_scene)["size"], [1.6, 0.9, 0.9], rtol=1e-6)
+
+
+def test_what_has_changed_once_has_for_good(device, seen):
+    """Moved, made of something else or given another mesh; and only its first change is one of what lasts."""
+    scene, gpu_scene = seen
+
+    def changed(count: int) -> list[bool]:
+        before = gpu_scene.lasting_version
+        gpu_scene.sync(scene)
+        assert gpu_scene.lasting_version == before + count
+        return gpu_scene.has_changed.tolist()
+
+    assert changed(0) == [False] * 3
+    scene.instances[2] = Instance(1, at(2.1))
+    assert changed(1) == [False, False, True]
+    for _ in range(MOVING_SYNCS):
+        assert changed(0) == [False, False, True]
+    scene.instances[2] = Instance(1, at(2.0))
+    assert changed(0) == [False, False, True]
+    scene.materials[0] = Material(emissive=(1.0, 2.0, 3.0))
+    assert changed(1) == [True] * 3
+    del scene.instances[0]
+    assert changed(0) == [True] * 2, "what has gone was none of what lasts"
+    scene.instances.append(Instance(1, at(4.0)))
+    assert changed(1) == [True, True, False]
+    scene.meshes[1] = replace(scene.meshes[1], uvs=scene.meshes[1].uvs + np.float32(0.5))
+    assert changed(1) == [True] * 3

@@ -21,7 +21,7 @@ from octolux.techniques.voxel_cones.reading import Reading
 from octolux.techniques.voxel_cones.structure import VOXEL, VoxelOctree
 from octolux.techniques.voxel_cones.voxeliser import CUBE
 
-Octrees = VoxelOctree | tuple[VoxelOctree, VoxelOctree]
+Octrees = VoxelOctree | tuple[VoxelOctree, ...]
 ROUNDING = 1e-4
 """Voxels by which float32 may move a surface in a grid of up to 64: coordinates have 24 bits, and a corner takes some
 ten operations, 64 * 2^-24 * 10 = 4e-5."""
@@ -197,7 +197,7 @@ def leaves_of(
         structs=[CUBE], workgroup=(64, 1, 1), count=len(points), **octree.leaf_values,
     )  # fmt: skip
     with one_stage(device) as stage:
-        kernel.run(stage, (len(points),), given=device.buffer("given", given), result=result, **octree.leaf_resources)
+        kernel.run(stage, (len(points),), given=device.buffer("given", given), result=result, **octree.leaf_resources())
     node, corner, number, some = read_buffer(device, result, np.uint32).reshape(-1, 4)[: len(points)].T.astype(np.int64)
     cells = 2 * cells_of(octree.codes()[node]) + np.stack([corner & 1, corner >> 1 & 1, corner >> 2], axis=-1)
     return cells, number, some == 1

@@ -1,5 +1,6 @@
 // Sums what fragments bring to their voxels (simulator/voxels/surfaces.py), in fixed point: whole numbers may be added in
-// any order. Of all voxels those from cube.first on that there is room for.
+// any order. Of all voxels those from cube.first on that there is room for; those of what is static, in an octree of what
+// moves, may be missing.
 {{ use("shaders/surface.wgsl") }}
 {{ use("techniques/voxel_cones/leaves.wgsl") }}
 {{ use("techniques/voxel_cones/fragments.wgsl") }}
@@ -52,8 +53,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let voxel = voxel_of(t, column);
         let met = covered(t, column);
         if met.samples > 0u && in_cube(voxel) {
-            let slot = leaf_at(voxel).number - cube.first;
-            if slot < cube.room {
+            let leaf = leaf_at(voxel);
+            let slot = leaf.number - cube.first;
+            if leaf.node != NO_NODE && slot < cube.room {
                 let w = met.weights;
                 var color = vec4f(1.0);
                 {% if vertex_colors %}

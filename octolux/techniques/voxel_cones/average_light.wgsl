@@ -1,5 +1,6 @@
 // Light that the voxels of a node send one way from that of its children (simulator/voxels/pyramid.py, coarser_intensity):
-// a thread for each of the eight voxels of a brick's node. What is behind counts for what the voxel in front lets through.
+// a thread for each of the eight voxels of a brick's node. What is behind counts for what the voxel in front lets through. What
+// faces so little of the way that it is nothing sends nothing.
 {{ use("techniques/voxel_cones/octree.wgsl") }}
 {{ use("techniques/voxel_cones/facing.wgsl") }}
 {{ use("techniques/voxel_cones/bright.wgsl") }}
@@ -32,5 +33,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let light_seen = unpack_bright(light[8u * brick + front]) + (1.0 - in_front) * unpack_bright(light[8u * brick + behind]);
         sum += light_seen * (0.25 * max(in_front, hidden) / max(seen, 1e-9));
     }
-    light[index] = pack_bright(sum);
+    let faces = share_of_way(facing[8u * (owner >> 3u) + (index & 7u)], way) > 0.0;
+    light[index] = pack_bright(select(vec3f(0.0), sum, faces));
 }

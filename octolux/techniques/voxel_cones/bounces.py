@@ -9,7 +9,6 @@ from ...gpu.device import Device
 from ...gpu.layout import Struct
 from ...gpu.limits import DEFAULT_LIMITS
 from ...gpu.passes import ComputePass
-from ...gpu.profiler import Profiler
 from ...gpu.records import records, words
 from .gathering import Voxels, cone_values, wide_cones
 from .octree import directory_binding
@@ -25,14 +24,17 @@ CONES, PER_LEVEL, WIDTH = 8, 2, 1.0  # what arrives is spread over a coarse voxe
 
 
 class Bounces:
-    """Adds to what was injected what voxels reflect of it, `count` times: the same light from scratch in every frame.
+    """Adds to what was injected what voxels reflect of it: the same light from scratch in every frame.
 
     level: of the voxels that gather; those of level 0 in them reflect, each with its own albedo, what these receive. A
     voxel receives a mean of radiances that others send, so no bounce is brighter than its light.
+
+    octree: one of those that `reading` reads. Of two each has Bounces, which take turns: all gather before any
+    reflects, and that of what is static is filtered before the other borrows from it.
     """
 
-    def __init__(self, device: Device, octree: VoxelOctree, reading: Reading, count: int, level: int):
-        self.device, self.octree, self._reading, self._count, self._level = device, octree, reading, count, level
+    def __init__(self, device: Device, octree: VoxelOctree, reading: Reading, level: int):
+        self.device, self.octree, self._reading, self._level = device, octree, reading, level
         most = DEFAULT_LIMITS["max-storage-buffer-binding-size"] // (4 * OWN)
         self._received = Pool("bricks", lambda n: device.buffer("voxel light", size=4 * OWN * n), limit=most)
         voxels = Voxels(octree.depth, reading.file, reading.bindings, reading.structs, reading.values)
@@ -50,23 +52,31 @@ class Bounces:
             structs=[BOUNCE, VOXEL], workgroup=WORKGROUP, level=level, **{**octree.octree.values, "row": ROW},
         )  # fmt: skip
 
-    def run(self, profiler: Profiler, injected: Any, unit: float) -> None:
-        """Light is injected (buffer `injected`, of the bricks of level 0) and filtered; so it is again afterwards."""
-        bricks, counts = self.octree.bricks, self.octree.octree.counts
+    def receive(self, stage: Any, unit: float) -> None:
+        """What the coarse voxels receive, of light that is filtered."""
+        coarse = self.octree.bricks.levels[self._level][1]
+        self._received.need(coarse)
+        self._receive.run(stage, threads(OWN * coarse), **self._own(unit), received=self._received.resource,
+                          **self._reading.resources)  # fmt: skip
+
+    def reflect(self, stage: Any, injected: Any, unit: float) -> None:
+        """What was injected (buffer `injected`, of the bricks of level 0), and what is reflected, filtered."""
+        octree, bricks = self.octree.octree, self.octree.bricks
+        self._reflect.run(
+            stage, threads(OWN * bricks.levels[0][1]), **self._own(unit), received=self._received.resource,
+            directory=octree.directory, leaves=octree.leaves.resource, voxels=self.octree.voxels.resource,
+            ways=bricks.ways.resource, injected_light=injected, light=bricks.light.resource,
+        )  # fmt: skip
+        self.octree.filtering.everything(stage, unit)
+
+    def _own(self, unit: float) -> dict[str, Any]:
+        bricks, octree = self.octree.bricks, self.octree.octree
         (first, count), (coarse_first, coarse_count) = bricks.levels[0], bricks.levels[self._level]
-        self._received.need(coarse_count)
-        given = self.device.uniform("voxel light", BOUNCE.pack(
+        given = BOUNCE.pack(
             first=first, count=count, coarse_first=coarse_first, coarse_count=coarse_count,
-            first_leaf=counts.levels[0][0], per_unit=1.0 / unit,
-        ))  # fmt: skip
-        own = {"bounce": given, "owners": bricks.owners.resource, "codes": self.octree.octree.codes.resource,
-               "facing": bricks.facing.resource, "received": self._received.resource}  # fmt: skip
-        for _ in range(self._count):
-            with profiler.stage("bounces") as stage:
-                self._receive.run(stage, threads(OWN * coarse_count), **own, **self._reading.resources)
-                self._reflect.run(
-                    stage, threads(OWN * count), **own, directory=self.octree.octree.directory,
-                    leaves=self.octree.octree.leaves.resource, voxels=self.octree.voxels.resource,
-                    ways=bricks.ways.resource, injected_light=injected, light=bricks.light.resource,
-                )  # fmt: skip
-                self.octree.filtering.everything(stage, unit)
+            first_leaf=octree.counts.levels[0][0], per_unit=1.0 / unit,
+        )  # fmt: skip
+        return {
+            "bounce": self.device.uniform("voxel light", given), "owners": bricks.owners.resource,
+            "codes": octree.codes.resource, "facing": bricks.facing.resource,
+        }  # fmt: skip

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...frame.frame import COPY, STORAGE, TEXTURE
-from ...gpu.bindings import storage, storage_rw, uniform
+from ...gpu.bindings import storage, storage_rw, texture, uniform
 from ...gpu.device import Device
 from ...gpu.layout import Struct
 from ...gpu.limits import DEFAULT_LIMITS
@@ -50,10 +50,13 @@ class Bricks:
     that each brick's node owns, what they send its way, radiance times share of section, as a share of a unit
     (bright.wgsl).  touched: u32 of each node, not 0 where its light is to be made anew.  levels: first
     and number of bricks of each level, from level 0.
+
+    static: where the octree is of what moves, the bricks of what is static, with the same depth and cube. From these
+    come voxels in nodes that nothing lies in that moves, so that all nodes hold what an octree of everything would.
     """
 
-    def __init__(self, device: Device, octree: Octree):
-        self.device, self.octree = device, octree
+    def __init__(self, device: Device, octree: Octree, static: Bricks | None = None):
+        self.device, self.octree, self.static = device, octree, static
         octree.values.update(bricks_row=BRICKS_ROW)
         self.levels: tuple[tuple[int, int], ...] = ((0, 0),) * octree.depth
 
@@ -85,18 +88,38 @@ class Bricks:
         self._average = ComputePass(
             self.device, "averaging", f"{folder}/average.wgsl", [*nodes, storage_rw("facing", "vec2u")], **fixed
         )
+        borrowed = [texture("static_directory", "uint"), storage("static_ways", "u32")] if self.static else []
         self._ways = ComputePass(
             self.device, "ways", f"{folder}/ways.wgsl",
-            [*nodes, storage("facing", "vec2u"), out["masks"], out["values"]], **fixed,
+            [*nodes, storage("facing", "vec2u"), out["masks"], out["values"], *borrowed], borrows=bool(borrowed),
+            **{**fixed, "parts": self.parts},
         )  # fmt: skip
+        if self.static:
+            self._borrow = ComputePass(
+                self.device, "facing", f"{folder}/borrow_facing.wgsl",
+                [*nodes, borrowed[0], storage("static_facing", "vec2u"), storage_rw("facing", "vec2u", "write")],
+                **{**fixed, "parts": self.parts},
+            )  # fmt: skip
         self._owners = ComputePass(
             self.device, "owners", f"{folder}/owners.wgsl", [PARAMETERS_OF, *sums, out["ways"], out["owners"]], **fixed
         )
 
-    def make_room(self) -> None:
-        """For the nodes of the octree; nothing faces any way."""
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Names of the octrees that passes look nodes up in begin so (octree.wgsl)."""
+        return ("", "static_") if self.static else ("",)
+
+    def make_room(self, stage: Any) -> None:
+        """For the nodes of the octree; nothing faces any way but what is static."""
+        count = self.octree.counts.nodes
         for pool in (self.facing, self.ways, self.nodes, self.touched):
-            pool.need(self.octree.counts.nodes)
+            pool.need(count)
+        stage.encoder.clear_buffer(self.facing.resource)
+        if self.static:
+            self._borrow.run(
+                stage, threads(OWN * count), parameters=parameters(self.device, count), facing=self.facing.resource,
+                **self.of_nodes(), **self.of_static("facing"),
+            )  # fmt: skip
 
     def average(self, stage: Any) -> None:
         """What faces each way, from level 0 up (VCT 5.4.3)."""
@@ -113,7 +136,7 @@ class Bricks:
         starts = device.buffer("voxel build", size=8 * octree.depth + 4)
         with profiler.stage("bricks") as stage:
             self._ways.run(stage, threads(count), parameters=given, **self.of_nodes(), facing=self.facing.resource,
-                           masks=masks, values=sums.values)  # fmt: skip
+                           masks=masks, values=sums.values, **self.of_static("ways"))  # fmt: skip
             self._sums.run(stage, sums, count, given)
             places = [(sums.values, first) for first, _ in octree.counts.levels]
             places += [(sums.totals, first // BLOCK) for first, _ in octree.counts.levels]
@@ -131,6 +154,13 @@ class Bricks:
             stage.encoder.clear_buffer(self.touched.resource)
             self._owners.run(stage, threads(count), parameters=given, masks=masks, values=sums.values,
                              totals=sums.totals, ways=self.ways.resource, owners=self.owners.resource)  # fmt: skip
+
+    def of_static(self, *names: str) -> dict[str, Any]:
+        """What passes that borrow of what is static need, by the names of its pools."""
+        if not self.static:
+            return {}
+        pools = {f"static_{name}": getattr(self.static, name).resource for name in names}
+        return {"static_directory": self.static.octree.directory, **pools}
 
     def of_nodes(self) -> dict[str, Any]:
         """What passes over nodes need."""

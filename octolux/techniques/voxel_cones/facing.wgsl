@@ -1,8 +1,9 @@
 // What faces +x, +y, +z and -x, -y, -z of a voxel's sections, 10 bits each: levels are made of each other without adding up
-// the rounding of their bricks.
+// the rounding of their bricks. 1/1023, less than half a step of a brick's texels, is nothing: what faces a way has a brick.
 
 fn pack_shares(shares: vec3f) -> u32 {
-    let codes = vec3u(round(saturate(shares) * 1023.0));
+    let rounded = vec3u(round(saturate(shares) * 1023.0));
+    let codes = select(rounded, vec3u(0u), rounded == vec3u(1u));
     return codes.x | (codes.y << 10u) | (codes.z << 20u);
 }
 

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from ...gpu.bindings import Binding, atomic_words, storage, storage_rw, storage_texture
+from ...gpu.bindings import Binding, atomic_words, storage, storage_rw, storage_texture, texture
 from ...gpu.device import Device
 from ...gpu.passes import ComputePass
-from ...gpu.records import records_out
+from ...gpu.records import records_out, words
 from .bricks import NODE, PARAMETERS_OF, Bricks
 from .octree import LABEL, directory_binding
 from .pools import OWN, Pool, parameters, threads
@@ -21,7 +21,8 @@ class Filtering:
     """Brings `light` that voxels of level 0 send (bricks.py) to all levels and into the bricks that shaders read.
 
     `everything` does so for all nodes, `touched` for those of level 0 that `bricks.touched` names, and what depends on
-    them: the same result where nothing else has changed, and neither has the unit. unit: of `light`, nits.
+    them: the same result where nothing else has changed, and neither has the unit. unit: of `light`, nits. An octree of
+    what moves is small: all of it is filtered, after that of what is static, whose light it borrows.
     """
 
     def __init__(self, device: Device, bricks: Bricks):
@@ -41,7 +42,19 @@ class Filtering:
         self._average_touched = self._made("average_light", [*light_out, touched], listed=True)
         self._copy = self._made("bricks", copied, listed=False)
         self._copy_listed = self._made("bricks", [*copied, count, storage("update_list", "u32")], listed=True)
-        self._records = self._made("records", [PARAMETERS_OF, ways, scales, records_out("nodes", NODE)])
+        shown = [*nodes[1:], texture("shown_directory", "uint")] if bricks.static else []
+        self._records = self._made(
+            "records", [PARAMETERS_OF, ways, scales, records_out("nodes", NODE), *shown], shown=bool(shown),
+            parts=("", "shown_"),
+        )  # fmt: skip
+        self._borrow: ComputePass | None = None
+        if bricks.static:
+            theirs = [texture("static_directory", "uint"),
+                      *(storage(f"static_{name}", "u32") for name in ("ways", "light"))]  # fmt: skip
+            self._borrow = self._made(
+                "borrow_light", [*nodes, owners, words("leaves"), storage_rw("light", "u32", "write"), *theirs],
+                parts=bricks.parts,
+            )  # fmt: skip
         self._touch = self._made("touch", [*nodes, storage_rw("touched", "u32")])
         self._list = self._made(
             "update_list",
@@ -55,6 +68,13 @@ class Filtering:
 
     def everything(self, stage: Any, unit: float = 1.0) -> None:
         bricks, self._listed = self.bricks, False
+        if self._borrow:
+            octree, count = bricks.octree, bricks.bricks.used
+            self._borrow.run(
+                stage, threads(OWN * count), parameters=parameters(self.device, count, octree.counts.levels[0][0]),
+                owners=bricks.owners.resource, leaves=octree.leaves.resource, light=bricks.light.resource,
+                **bricks.of_nodes(), **bricks.of_static("ways", "light"),
+            )  # fmt: skip
         for first, count in bricks.levels[1:]:
             self._average.run(stage, threads(OWN * count), parameters=parameters(self.device, count, first),
                               **self._of_light())  # fmt: skip
@@ -93,8 +113,9 @@ class Filtering:
 
     def _record(self, stage: Any) -> None:
         bricks, count = self.bricks, self.bricks.octree.counts.nodes
+        shown = {**bricks.of_nodes(), "shown_directory": bricks.octree.shown} if bricks.static else {}
         self._records.run(stage, threads(count), parameters=parameters(self.device, count), ways=bricks.ways.resource,
-                          scales=bricks.scales.resource, nodes=bricks.nodes.resource)  # fmt: skip
+                          scales=bricks.scales.resource, nodes=bricks.nodes.resource, **shown)  # fmt: skip
 
     def _given(self, unit: float) -> Any:
         word = int(np.float32(max(unit, _DARK)).view(np.uint32))

@@ -32,14 +32,18 @@ _LABEL = "voxel light"
 class Injection:
     """Writes what voxels of level 0 send (bricks.py, `light`), and touches the nodes where that is other than before.
 
+    other: the octree of what moves beside that of what is static, or the latter beside the former. A VPL's light lands
+    in the one that has the voxel: that of what moves where it has all of it (structure.py).
+
     Light is deterministic: the same VPLs bring the same bits, in whatever order they are added. Where there are too
     many voxels for one buffer of sums, these are made in rounds.
 
     fresh: u32 of the voxels of level 0, what the VPLs bring them.
     """
 
-    def __init__(self, device: Device, octree: VoxelOctree):
-        self.device, self.octree = device, octree
+    def __init__(self, device: Device, octree: VoxelOctree, other: VoxelOctree | None = None):
+        self.device, self.octree, self._other = device, octree, other
+        self._part = "static_" if octree.static else "moving_"
         self.unit = 0.0
         """Nits: what `light` is a share of; a power of two, so that it stays the same while lights move."""
         self._sums = Pool("bricks of level 0", lambda count: device.buffer(_LABEL, size=_SUMS * count), limit=_ROUND)
@@ -48,11 +52,13 @@ class Injection:
         )
         group = uniform("injected", INJECTED)
         fixed: dict[str, Any] = {"workgroup": WORKGROUP, "row": ROW}
+        leaves = [*octree.leaf_bindings, *(octree.other_leaf_bindings(self._part) if other else ())]
         self._inject = ComputePass(
             device, "inject", "techniques/voxel_cones/inject.wgsl",
-            [uniform("source", SOURCE), group, *octree.leaf_bindings, records("vpls", VPL), storage("facing", "vec2u"),
+            [uniform("source", SOURCE), group, *leaves, records("vpls", VPL), storage("facing", "vec2u"),
              storage("ways", "u32"), atomic_words("sums", "u32")],
-            structs=[SOURCE, INJECTED, CUBE, VPL], **{**fixed, **octree.leaf_values},
+            structs=[SOURCE, INJECTED, CUBE, VPL],
+            **{**fixed, **octree.leaf_values, "parts": ("", self._part) if other else ("",)},
         )  # fmt: skip
         self._collect = ComputePass(
             device, "collect", "techniques/voxel_cones/collect.wgsl",
@@ -87,10 +93,13 @@ class Injection:
         packed, scale = lights.pack(), 1.0 / (self.octree.grid.cell_size**2 * self.unit)
         to_light = packed[0]["to_intensity"][0] * scale if packed else (0.0,) * 3
         injected = self.device.uniform(_LABEL, INJECTED.pack(to_light=to_light, **values))
+        leaves = {
+            **self.octree.leaf_resources(), **(self._other.leaf_resources(self._part) if self._other else {})
+        }  # fmt: skip
         for source in packed:
             self._inject.run(
                 stage, threads(int(source["count"][0])), source=self.device.uniform(_LABEL, source),
-                injected=injected, vpls=frame.vpls, sums=self._sums.resource, **self.octree.leaf_resources,
+                injected=injected, vpls=frame.vpls, sums=self._sums.resource, **leaves,
                 **self._of_bricks("facing", "ways"),
             )  # fmt: skip
         self._collect.run(

@@ -2,6 +2,9 @@
 // A node owns eight voxels, which are a byte of `occupied`, and its brick has those of its neighbours at its upper sides
 // too: it is there where any of these 27 is occupied. So where a node is missing all around it is empty at that side, and
 // filtered values go to zero inside the brick: there is no discontinuity like that of figure 5.10.
+//
+// In an octree of what moves all neighbours of what is occupied have nodes, which hold what is static there; those whose
+// bricks are whole are `shown`, and stand for nodes of what is static.
 {{ use("techniques/voxel_cones/codes.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
@@ -21,7 +24,16 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             {% for corner in corners %}
             if (own & {{ corner.lower }}u) != 0u && all(cell >= vec3u({{ corner.offset }})) {
                 let other = code_of(log2_edge, cell - vec3u({{ corner.offset }}));
-                atomicOr(&nodes[other >> 5u], 1u << (other & 31u));
+                atomicOr(&{{ "shown" if neighbours else "nodes" }}[other >> 5u], 1u << (other & 31u));
+            }
+            {% endfor %}
+            {% for offset in neighbours %}
+            {
+                let at = vec3i(cell) + vec3i({{ offset }});
+                if all(at >= vec3i(0)) && all(at < vec3i(1 << log2_edge)) {
+                    let other = code_of(log2_edge, vec3u(at));
+                    atomicOr(&nodes[other >> 5u], 1u << (other & 31u));
+                }
             }
             {% endfor %}
         }

@@ -1,5 +1,9 @@
 // Marks the voxels that fragments lie in, cut out or not: a bit for each. Or, where they are `listed`, lists the fragments for
 // which there is room: triangle, code of the voxel, samples.
+{% if near %}
+// Of an octree of what moves: first, where parameters.first is 0, what moves, which are parameters.third triangles; then what is
+// static in the same nodes, whose bytes are not 0: that marks no new ones.
+{% endif %}
 {{ use("raytracing/world_triangle.wgsl") }}
 {{ use("techniques/voxel_cones/codes.wgsl") }}
 {{ use("techniques/voxel_cones/fragments.wgsl") }}
@@ -9,6 +13,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let tile = id.x + {{ row }}u * id.y;
     if tile >= parameters.second { return; }
     let index = triangle_of(tile, parameters.count);
+    {% if near %}
+    if (index < parameters.third) != (parameters.first == 0u) { return; }
+    {% endif %}
     let corners = world_triangle(load_ids(index));
     let t = projected(to_voxels(corners.a), to_voxels(corners.b), to_voxels(corners.c));
     let columns = tile_columns(columns_of(t), tile - load_starts(index));
@@ -21,6 +28,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             {% if listed %}
             let number = atomicAdd(&fragment_count[0], 1u);
             if number < parameters.third { fragments[number] = vec4u(index, code, covered(t, column).samples, 0u); }
+            {% elif near %}
+            let there = ((atomicLoad(&occupied[code >> 5u]) >> (code & 24u)) & 255u) != 0u;
+            if there || parameters.first == 0u { atomicOr(&occupied[code >> 5u], 1u << (code & 31u)); }
             {% else %}
             atomicOr(&occupied[code >> 5u], 1u << (code & 31u));
             {% endif %}

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,11 @@ def corners() -> list[dict[str, Any]]:
     return found
 
 
+def _neighbours() -> list[str]:
+    """For the same: offsets of a node and its neighbours at all sides."""
+    return [", ".join(map(str, offset)) for offset in product((-1, 0, 1), repeat=3)]
+
+
 @dataclass(frozen=True)
 class Counts:
     """levels: first node and number of nodes of each level, from level 0.  nodes, voxels: how many there are."""
@@ -50,18 +55,24 @@ class Octree:
     """directory: texture, see octree.wgsl.  codes: u32 of each node.  leaves: texture of words, of each node of level
     0: number of its first voxel << 8 | which of its eight are occupied.  counts: of the last build.
 
+    moving: it is of what moves, and has nodes at all sides of what is occupied (levels.wgsl).  shown: the directory of
+    those that are read, with numbers of their own; where nothing moves `directory`.
     values: what octree.wgsl wants to know.
     """
 
-    def __init__(self, device: Device, depth: int):
-        self.device, self.depth = device, depth
+    def __init__(self, device: Device, depth: int, moving: bool = False):
+        self.device, self.depth, self.moving = device, depth, moving
         self.counts = Counts(((0, 0),) * depth, 0, 0)
         self.values: dict[str, Any] = {
             "depth": depth, "directory_row": DIRECTORY_ROW, "reads": (), "parts": ("",),
         }  # fmt: skip
         self.words = max(4, 2 * 8 ** (depth - 1) // 32)  # of all cells
         rows = -(-self.words // DIRECTORY_ROW)
-        self.directory = device.texture(LABEL, (DIRECTORY_ROW, rows), "rg32uint", usage=STORAGE | TEXTURE | COPY)
+        textures = [
+            device.texture(LABEL, (DIRECTORY_ROW, rows), "rg32uint", usage=STORAGE | TEXTURE | COPY)
+            for _ in range(1 + moving)
+        ]
+        self.directory, self.shown = textures[0], textures[-1]
         self.codes = Pool("nodes", lambda count: device.buffer(LABEL, size=4 * count), limit=1 << 25)
         self.leaves = Pool("leaves", lambda count: word_texture(device, LABEL, count), limit=1 << 24)
         self._sums = PrefixSum(device, "u32")
@@ -71,16 +82,21 @@ class Octree:
         folder = "techniques/voxel_cones"
         self._levels = ComputePass(
             device, "levels", f"{folder}/levels.wgsl",
-            [given, atomic_words("occupied", "u32"), atomic_words("nodes", "u32")], corners=corners(), **fixed,
+            [given, *(atomic_words(name, "u32") for name in ("occupied", "nodes", "shown")[: 2 + moving])],
+            corners=corners(), neighbours=_neighbours() if moving else (), **fixed,
         )  # fmt: skip
         self._count = ComputePass(
             device, "count", f"{folder}/count_bits.wgsl",
             [given, storage("bits", "u32"), storage_rw("values", "u32", "write")], **fixed,
         )  # fmt: skip
-        self._directory = ComputePass(
-            device, "directory", f"{folder}/directory.wgsl",
-            [given, storage("nodes", "u32"), *sums, storage_rw("codes", "u32", "write"),
-             directory_binding(access="write")], **fixed, **self.values,
+        numbers = [given, storage("nodes", "u32"), *sums, directory_binding(access="write")]
+        self._directory, self._numbers = (
+            ComputePass(
+                device, "directory", f"{folder}/directory.wgsl",
+                [*numbers, *([storage_rw("codes", "u32", "write")] if with_codes else [])], with_codes=with_codes,
+                **fixed, **self.values,
+            )
+            for with_codes in (True, False)
         )  # fmt: skip
         self._leaf_voxels = ComputePass(
             device, "leaves", f"{folder}/leaf_voxels.wgsl",
@@ -97,13 +113,14 @@ class Octree:
         device, words = self.device, self.words
         first_word = 8**self.depth // 32  # of the voxels of level 0, which have as many
         nodes = device.buffer("voxel build", size=4 * words)
+        shown = {"shown": device.buffer("voxel build", size=4 * words)} if self.moving else {}
         of_nodes, of_voxels = self._sums.sums(words), self._sums.sums(first_word)
         starts = device.buffer("voxel build", size=8 * self.depth + 8)
         with profiler.stage("octree") as stage:
             for log2_edge in range(self.depth - 1, -1, -1):
                 given = parameters(device, 0, first=log2_edge)
                 self._levels.run(stage, threads(max(1, 8**log2_edge // 4)), parameters=given, occupied=occupied,
-                                 nodes=nodes)  # fmt: skip
+                                 nodes=nodes, **shown)  # fmt: skip
             each = (nodes, of_nodes, words, 0), (occupied, of_voxels, first_word, first_word)
             for bits, sums, count, first in each:
                 given = parameters(device, count, first=first)
@@ -125,6 +142,17 @@ class Octree:
                 codes=self.codes.resource, occupied=occupied, values=of_voxels.values, totals=of_voxels.totals,
                 leaves=self.leaves.resource,
             )  # fmt: skip
+            for bits in shown.values():
+                self._number(stage, bits)
+
+    def _number(self, stage: Any, bits: Any) -> None:
+        """The directory `shown` of nodes by bits."""
+        words, sums = self.words, self._sums.sums(self.words)
+        given = parameters(self.device, words)
+        self._count.run(stage, threads(words), parameters=given, bits=bits, values=sums.values)
+        self._sums.run(stage, sums, words, given)
+        self._numbers.run(stage, threads(words), parameters=given, nodes=bits, values=sums.values, totals=sums.totals,
+                          directory=self.shown)  # fmt: skip
 
     def _copy_starts(self, stage: Any, of_nodes: Any, of_voxels: Any, starts: Any) -> None:
         """Behind each other in `starts`: sum within its block and of the blocks before, of each level's first word from
@@ -140,5 +168,5 @@ class Octree:
         nodes, voxels = starts[pairs : pairs + 2].tolist()
         top = [0, min(1, nodes)]  # the root, and what follows
         first = [*top, *(starts[0:pairs:2] + starts[1:pairs:2]).tolist(), nodes]
-        levels = [(a, b - a) for a, b in itertools.pairwise(first)]
+        levels = [(a, b - a) for a, b in pairwise(first)]
         return Counts(tuple(levels[::-1]), nodes, voxels)

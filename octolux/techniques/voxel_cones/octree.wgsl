@@ -72,7 +72,8 @@ fn scale_of(code: u32) -> f32 { return bitcast<f32>((code + 380u) << 21u); }
 
 {% if "nodes" in reads %}
 // position: in voxels of level 0 from the cube's corner, inside it. Of a level the cell of 2^3 voxels' edges around it,
-// whose corners are middles of voxels; half a voxel from the border inwards the outermost voxels hold.
+// whose corners are middles of voxels; half a voxel from the border inwards the outermost voxels hold. A filter's weights have
+// 8 bits: `within` has as many, and a quarter, so that a sample is the same bits wherever its brick lies in the texture.
 struct Place { code: u32, within: vec3f }
 
 fn place_at(position: vec3f, level: u32) -> Place {
@@ -80,7 +81,8 @@ fn place_at(position: vec3f, level: u32) -> Place {
     let edge = f32(2u << log2_edge);
     let at = clamp(position * exp2(-f32(level)) - 0.5, vec3f(0.0), vec3f(edge - 1.0));
     let cell = min(vec3u(0.5 * at), vec3u((1u << log2_edge) - 1u));
-    return Place(code_of(log2_edge, cell), at - vec3f(2u * cell) + 0.5);
+    let within = at - vec3f(2u * cell) + 0.5;
+    return Place(code_of(log2_edge, cell), (floor(256.0 * within) + 0.25) / 256.0);
 }
 
 // Whether there is nothing around a position on this level, and so on finer ones.
@@ -99,9 +101,7 @@ fn {{ part }}read_way(node: Node, way: u32, scales: u32, within: vec3f, over: ve
     return select(vec4f(scale * found.rgb, found.a), vec4f(0.0), brick == NO_NODE);
 }
 
-fn {{ part }}sample_place(place: Place, direction: vec3f) -> vec4f {
-    let number = {{ part }}node_of(place.code);
-    if number == NO_NODE { return vec4f(0.0); }
+fn {{ part }}sample_node(number: u32, place: Place, direction: vec3f) -> vec4f {
     let node = load_{{ part }}nodes(number);
     let over = 1.0 / vec3f(textureDimensions({{ part }}bricks));
     var sum = vec4f(0.0);
@@ -118,10 +118,14 @@ fn {{ part }}sample_place(place: Place, direction: vec3f) -> vec4f {
 {% endfor %}
 
 // What is met around a position on a way along the unit vector `direction` as long as an edge of the level's voxels:
-// radiance times opacity, and opacity. It crosses |d| of the sections across each axis, of what looks against it. What
-// moves, in an octree of its own, is there beside what is static.
+// radiance times opacity, and opacity. It crosses |d| of the sections across each axis, of what looks against it. Nodes of what
+// moves, in an octree of their own, hold all that is there, and stand for those of what is static (VCT 5.7).
 fn sample_voxels(position: vec3f, level: u32, direction: vec3f) -> vec4f {
     let place = place_at(position, level);
-    return {% for part in parts %}{{ " + " if not loop.first }}{{ part }}sample_place(place, direction){% endfor %};
+    {% for part in parts|reverse %}
+    let {{ part }}number = {{ part }}node_of(place.code);
+    if {{ part }}number != NO_NODE { return {{ part }}sample_node({{ part }}number, place, direction); }
+    {% endfor %}
+    return vec4f(0.0);
 }
 {% endif %}

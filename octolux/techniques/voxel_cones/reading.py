@@ -17,7 +17,8 @@ PARTS = ("", "moving_")
 
 
 class Reading:
-    """Of what is static and, beside it, of what moves, whose octrees have the same depth and cube.
+    """Of what is static and of what moves, whose octrees have the same depth and cube: where the latter has nodes these
+    are read, which hold what is static there too.
 
     bindings, structs, values: for the passes. Two of the bindings are storage textures: what is read most often.
     Raises ValueError for octrees of other depths.
@@ -44,6 +45,6 @@ class Reading:
         """What to bind to `bindings`, until the next build."""
         found = {"brick_sampler": self._sampler}
         for part, bricks in self._octrees.items():
-            found[f"{part}directory"] = bricks.octree.directory
+            found[f"{part}directory"] = bricks.octree.shown
             found[f"{part}nodes"], found[f"{part}bricks"] = bricks.nodes.resource, bricks.bricks.resource
         return found

@@ -1,4 +1,8 @@
 // What shaders that read bricks want to know of a node: its bricks, and their scales.
+{% if shown %}
+// Of what moves the nodes that are shown have numbers of their own (levels.wgsl).
+{{ use("techniques/voxel_cones/octree.wgsl") }}
+{% endif %}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -6,12 +10,18 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if node >= parameters.count { return; }
     let packed = ways[node];
     var brick = packed >> 6u;
-    var codes = vec2u(0u);
+    var packed_scales = vec2u(0u);
     {% for way in range(6) %}
     if (packed & {{ 2 ** way }}u) != 0u {
-        codes.{{ "xy"[way % 2] }} |= scales[brick] << {{ 8 * (way // 2) }}u;
+        packed_scales.{{ "xy"[way % 2] }} |= scales[brick] << {{ 8 * (way // 2) }}u;
         brick += 1u;
     }
     {% endfor %}
-    store_nodes(node, Node(packed >> 6u, packed & 63u, codes.x, codes.y));
+    {% if shown %}
+    let number = shown_node_of(codes[node]);
+    if number == NO_NODE { return; }
+    {% else %}
+    let number = node;
+    {% endif %}
+    store_nodes(number, Node(packed >> 6u, packed & 63u, packed_scales.x, packed_scales.y));
 }

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from ...gpu.bindings import Binding, storage, storage_rw, uniform
+from ...gpu.bindings import Binding, storage, storage_rw, texture, uniform
 from ...gpu.device import Device
 from ...gpu.layout import Struct
 from ...gpu.passes import ComputePass
 from ...gpu.profiler import Profiler
-from ...gpu.records import record_texture, records_out, words
+from ...gpu.records import record_texture, records_out, sampled_words, words
 from ...gpu_scene.gpu_scene import GpuScene
 from ...raytracing.bvh import triangle_ids
 from ...raytracing.scan import PARAMETERS
@@ -29,17 +29,24 @@ _SUMS_BYTES = 64 << 20  # of sums at a time: more voxels take more rounds
 
 class VoxelOctree:
     """octree: where nodes are.  bricks: what is read of them.  filtering: brings light into them.  voxels: texture of
-    VOXEL.  grid: of the voxels.  peak: the scene's brightest emission, nits, of which voxels' emissions are shares."""
+    VOXEL.  grid: of the voxels.  peak: the scene's brightest emission, nits, of which voxels' emissions are shares.
+
+    static: makes this the octree of what moves, beside that one of what does not (VCT 5.7). In nodes of level 0 that
+    something lies in that moves it holds all that is there; around them, and on coarser levels, what is static it has
+    from the other. So each of its nodes is the same, to the bit, as that of an octree of everything, and stands for the
+    other's: nothing is added up, and nothing of the other is touched. The thesis has both in one pool, and inserts the
+    nodes of what moves among those of what is static.
+    """
 
     leaf_bindings: tuple[Binding, ...] = (uniform("cube", CUBE), words("leaves"), directory_binding())
     """With `leaf_values` and the struct CUBE, for shaders that look up voxels of level 0 (leaves.wgsl)."""
 
-    def __init__(self, device: Device, depth: int, texture_level: float = 0.0):
-        self.device, self.depth = device, depth
+    def __init__(self, device: Device, depth: int, texture_level: float = 0.0, static: VoxelOctree | None = None):
+        self.device, self.depth, self.static = device, depth, static
         self.grid: Grid
         self.peak = 0.0
-        self.octree = Octree(device, depth)
-        self.bricks = Bricks(device, self.octree)
+        self.octree = Octree(device, depth, moving=static is not None)
+        self.bricks: Bricks = Bricks(device, self.octree, static.bricks if static else None)
         self.filtering = Filtering(device, self.bricks)
         self._voxeliser = Voxeliser(device, self.octree, texture_level)
         self.voxels = Pool("voxels", lambda count: record_texture(device, LABEL, VOXEL, count), limit=1 << 24)
@@ -56,17 +63,25 @@ class VoxelOctree:
 
         self.leaf_values = {**self.octree.values, **self._voxeliser.values}
 
-    @property
-    def leaf_resources(self) -> dict[str, Any]:
-        """What to bind to `leaf_bindings`, until the next build."""
-        return {"cube": self._cube, "leaves": self.octree.leaves.resource, "directory": self.octree.directory}
+    @staticmethod
+    def other_leaf_bindings(part: str) -> tuple[Binding, ...]:
+        """The same of another octree, whose names begin with `part`, for shaders that have taken their storage
+        textures. With both a voxel's leaf is found in the one that has all of it."""
+        directory = texture(f"{part}directory", "uint")
+        return (uniform(f"{part}cube", CUBE), sampled_words(f"{part}leaves"), directory)
+
+    def leaf_resources(self, part: str = "") -> dict[str, Any]:
+        """What to bind to these, until the next build."""
+        found = {"cube": self._cube, "leaves": self.octree.leaves.resource, "directory": self.octree.directory}
+        return {f"{part}{name}": resource for name, resource in found.items()}
 
     def build(
-        self, profiler: Profiler, scene: GpuScene, grid: Grid, peak: float = 0.0, ids: np.ndarray | None = None
-    ) -> None:
+        self, profiler: Profiler, scene: GpuScene, grid: Grid, peak: float = 0.0, ids: np.ndarray | None = None,
+        near: np.ndarray | None = None,
+    ) -> None:  # fmt: skip
         """Build it anew in the voxels of `grid`, 2^depth along each side. Inside a frame of `profiler`; the host waits
-        three times. ids: uint32, which triangles (`triangle_ids`), by default all that is drawn of `scene`: so what
-        moves can have an octree of its own (VCT 5.7), which is made anew beside that of what is static.
+        three times. ids: uint32, which triangles (`triangle_ids`), by default all that is drawn of `scene`.  near:
+        uint32, for what moves: which triangles of what is static may lie in nodes of level 0 with `ids`.
 
         Raises DeviceError when the scene needs more nodes than there can be, ValueError for another grid.
         """
@@ -74,16 +89,17 @@ class VoxelOctree:
             raise ValueError(f"an octree of depth {self.depth} has {1 << self.depth} voxels a side, not {grid.n}")
         self.grid, self.peak = grid, peak
         cube, occupied = self._voxeliser.cube(grid, peak), self.octree.occupied()
-        triangles = self._voxeliser.triangles(profiler, scene, triangle_ids(scene) if ids is None else ids, cube)
+        first = triangle_ids(scene) if ids is None else ids
+        both = first if near is None else np.concatenate([first, near])
+        triangles = self._voxeliser.triangles(profiler, scene, both, cube)
         with profiler.stage("fragments") as stage:
-            self._voxeliser.mark(stage, scene, triangles, cube, occupied)
+            self._voxeliser.mark(stage, scene, triangles, cube, occupied, len(first))
         self.octree.build(profiler, occupied)
         counts = self.octree.counts
         self.voxels.need(counts.voxels)
         self._cube = self._voxeliser.cube(grid, peak, first_leaf=counts.levels[0][0])
-        self.bricks.make_room()
         with profiler.stage("voxels") as stage:
-            stage.encoder.clear_buffer(self.bricks.facing.resource)
+            self.bricks.make_room(stage)
             self._sum(stage, scene, triangles)
         with profiler.stage("averaging") as stage:
             self.bricks.average(stage)

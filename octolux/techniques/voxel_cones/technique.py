@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from ...frame.frame import Frame
 from ...gpu.device import Device
-from ...simulator.grid import Grid
-from ...simulator.voxels.surfaces import around
 from ..debug_views import DebugViews
 from ..technique import Technique
 from .bounces import Bounces
 from .gathering import DiffuseCones, SpecularCones, Voxels
 from .injection import Injection
+from .parts import Parts
 from .reading import Reading
 from .settings import VoxelConesSettings, read_box
 from .structure import VoxelOctree
@@ -22,8 +19,8 @@ from .views import VoxelViews
 
 
 class VoxelCones(Technique):
-    """The octree is built when what is drawn has changed; light is injected each frame, and filtered where it is other
-    than before."""
+    """The octree of what is static is built once, that of what moves whenever it does (parts.py); light is injected
+    each frame, and filtered where it is other than before."""
 
     name, summary = "voxel-cones", "light gathered by cones through an octree of voxels, with occlusion and reflections"
     settings_class = VoxelConesSettings
@@ -35,9 +32,17 @@ class VoxelCones(Technique):
     def __init__(self, device: Device, settings: VoxelConesSettings):
         super().__init__(device, settings)
         s = settings
-        self.octree = VoxelOctree(device, s.depth, s.texture_level)
-        self.injection = Injection(device, self.octree)
-        self.reading = Reading(device, self.octree.bricks)
+        self.parts = Parts(device, s.depth, s.texture_level, read_box(s.box))
+        self.frame: Frame | None = None
+        """The last one, for debug views."""
+        self._make()
+
+    def _make(self) -> None:
+        """Passes for the octrees that there are."""
+        s, device, octrees = self.settings, self.device, self.parts.octrees
+        others = [*octrees[1:], *octrees[:1]] if len(octrees) > 1 else [None]
+        self.injections = [Injection(device, one, other) for one, other in zip(octrees, others, strict=True)]
+        self.reading = Reading(device, *(octree.bricks for octree in octrees))
         reading = self.reading
         self.voxels = Voxels(s.depth, reading.file, reading.bindings, reading.structs, reading.values, skips=True)
         start: dict[str, Any] = {"offset": s.offset, "cover": s.cover, "sky": s.sky}
@@ -46,14 +51,23 @@ class VoxelCones(Technique):
             device, self.voxels, count=s.cones, per_level=s.samples, width=s.width, resolution=s.resolution, **start
         )
         self.specular = SpecularCones(device, self.voxels, step=s.step, **start) if s.glossy else None
-        self.bounces = None
+        self.bounces = []
         if s.bounces > 1:
-            self.bounces = Bounces(device, self.octree, self.reading, s.bounces - 1, s.bounce_level)
-        self._built_of: tuple[int, int] | None = None
-        self.frame: Frame | None = None
-        """The last one, for debug views."""
+            self.bounces = [Bounces(device, octree, reading, s.bounce_level) for octree in octrees]
+
+    @property
+    def octree(self) -> VoxelOctree:
+        """Of what is static."""
+        return self.parts.static
+
+    @property
+    def injection(self) -> Injection:
+        """Into what is static."""
+        return self.injections[0]
 
     def prepare(self, frame: Frame) -> None:
+        if self.parts.prepare(frame.gpu_scene):
+            self._make()
         self.diffuse.prepare(frame.pixels)
         frame.irradiance = self.diffuse.irradiance
         if self.specular:
@@ -62,22 +76,33 @@ class VoxelCones(Technique):
 
     def update(self, frame: Frame) -> None:
         self.frame = frame
-        key = (id(frame.gpu_scene), frame.gpu_scene.moves)
-        new = self._built_of != key
-        if new:
-            self.octree.build(frame.profiler, frame.gpu_scene, scene_grid(frame, self.settings))
-            self._built_of = key
+        new = self.parts.build(frame)
         with frame.profiler.stage("injection") as stage:
-            everything = self.injection.run(stage, frame) or new
+            changed = [injection.run(stage, frame) for injection in self.injections]
+        self._filter(frame, everything=new or changed[0] or bool(self.bounces))
+        for _ in range(self.settings.bounces - 1):
+            self._bounce(frame)
+
+    def _filter(self, frame: Frame, everything: bool) -> None:
+        """What is static first: the other borrows its light, and is small."""
+        static, *moving = self.parts.octrees
         unit = self.injection.unit
         with frame.profiler.stage("filtering") as stage:
-            if everything or self.bounces:
-                self.octree.filtering.everything(stage, unit)
-                stage.encoder.clear_buffer(self.octree.bricks.touched.resource)
+            if everything:
+                static.filtering.everything(stage, unit)
+                stage.encoder.clear_buffer(static.bricks.touched.resource)
             else:
-                self.octree.filtering.touched(stage, unit)
-        if self.bounces:
-            self.bounces.run(frame.profiler, self.injection.fresh.resource, unit)
+                static.filtering.touched(stage, unit)
+            for octree in moving:
+                octree.filtering.everything(stage, unit)
+
+    def _bounce(self, frame: Frame) -> None:
+        unit = self.injection.unit
+        with frame.profiler.stage("bounces") as stage:
+            for bounces in self.bounces:
+                bounces.receive(stage, unit)
+            for bounces, injection in zip(self.bounces, self.injections, strict=True):
+                bounces.reflect(stage, injection.fresh.resource, unit)
 
     def shade(self, frame: Frame) -> None:
         grid, voxels = self.octree.grid, self.reading.resources
@@ -92,11 +117,3 @@ class VoxelCones(Technique):
     def debug_views(self) -> DebugViews:
         """See views.py."""
         return VoxelViews(self).all()
-
-
-def scene_grid(frame: Frame, settings: VoxelConesSettings) -> Grid:
-    """The cube of voxels around what is drawn, or another box."""
-    low, high = read_box(settings.box) or frame.world_box
-    if not np.any(high > low):  # an empty scene: any box will do
-        high = low + 1.0
-    return around(low, high, settings.depth)

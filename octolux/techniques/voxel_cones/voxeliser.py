@@ -52,7 +52,8 @@ class Triangles:
 
 
 class Voxeliser:
-    """Marks the voxels that triangles lie in, then, when these have numbers, sums what lies there."""
+    """Marks the voxels that triangles lie in, then, when these have numbers, sums what lies there. Of an octree of what
+    moves these are voxels in whose nodes something lies that does."""
 
     def __init__(self, device: Device, octree: Octree, texture_level: float = 0.0):
         self.device, self.octree, self._texture_scale = device, octree, 2.0**texture_level
@@ -80,13 +81,13 @@ class Voxeliser:
             [self._given[0], storage("values", "u32"), storage("totals", "u32"), words_out("starts")],
             structs=[PARAMETERS], workgroup=WORKGROUP, row=ROW, block=BLOCK,
         )  # fmt: skip
-        self._mark = self._over_tiles([atomic_words("occupied", "u32")], listed=False)
+        self._mark = self._over_tiles([atomic_words("occupied", "u32")], listed=False, near=octree.moving)
 
-    def _over_tiles(self, out: list[Binding], listed: bool) -> ComputePass:
+    def _over_tiles(self, out: list[Binding], listed: bool, near: bool = False) -> ComputePass:
         given = [*self._geometry, *self._given, words("ids"), words("starts")]
         return ComputePass(
             self.device, "fragments", "techniques/voxel_cones/mark.wgsl", [*given, *out], starts=True, listed=listed,
-            **self._fixed,
+            near=near, **self._fixed,
         )  # fmt: skip
 
     def cube(self, grid: Grid, peak: float, first: int = 0, room: int = 0, first_leaf: int = 0) -> Any:
@@ -110,14 +111,16 @@ class Voxeliser:
         profiler.submit()
         return Triangles(count, textures[0], textures[1], self._sums.total(sums, count)[0])
 
-    def mark(self, stage: Any, scene: GpuScene, triangles: Triangles, cube: Any, occupied: Any) -> None:
-        """Set the bits of voxels that have fragments (`Octree.occupied`)."""
-        if triangles.tiles:
-            self._mark.run(
-                stage, threads(triangles.tiles), cube=cube, ids=triangles.ids, starts=triangles.starts,
-                parameters=parameters(self.device, triangles.count, second=triangles.tiles), occupied=occupied,
-                **geometry_resources(scene),
-            )  # fmt: skip
+    def mark(
+        self, stage: Any, scene: GpuScene, triangles: Triangles, cube: Any, occupied: Any, moving: int
+    ) -> None:
+        """Set the bits of voxels that have fragments (`Octree.occupied`). moving: how many of the first triangles of an
+        octree of what moves do so; of the others, nothing is marked but in the same nodes of level 0."""
+        rounds = range(1 + self.octree.moving) if triangles.tiles else ()
+        for first in rounds:
+            given = parameters(self.device, triangles.count, first, second=triangles.tiles, third=moving)
+            self._mark.run(stage, threads(triangles.tiles), cube=cube, ids=triangles.ids, starts=triangles.starts,
+                           parameters=given, occupied=occupied, **geometry_resources(scene))  # fmt: skip
 
     @staticmethod
     def words_of(emissive: bool) -> int:
