@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 import math
 
+import numpy as np
 import pytest
 
 from benchmarks import registry, vct_tables
 from benchmarks import vct_thesis as thesis
+from benchmarks.vct_cost import tessellated
 from benchmarks.vct_frames import COPIES, OTHER, Case, built, frames_of, part_of
+from octolux.scene.builtin.shapes import box
 
 registry.load_all()
 SMALL = {"size": (32, 18), "shadows": 64}
@@ -111,3 +114,18 @@ def test_what_is_known_exactly(name):
     rows = registry.FIGURES[name].rows()
     assert any(row.holds for row in rows)
     assert all(row.holds is not False and math.isfinite(row.value) for row in rows), rows
+
+
+def test_tessellated_surfaces_are_the_same():
+    """As many triangles as the square of the parts, of the same area, on the same surface, turned the same way."""
+    mesh = box((-1.0, 0.0, 2.0), (1.0, 1.5, 3.0))
+    fine = tessellated(mesh, parts=10)
+    assert len(fine.indices) == 100 * len(mesh.indices)
+    corners = [m.positions[m.indices].astype(np.float64) for m in (mesh, fine)]
+    areas = [np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]) for c in corners]
+    np.testing.assert_allclose(areas[1].sum(axis=0), areas[0].sum(axis=0), atol=1e-5)
+    assert np.linalg.norm(areas[1], axis=1).sum() == pytest.approx(np.linalg.norm(areas[0], axis=1).sum(), rel=1e-5)
+    normals = fine.normals[fine.indices].mean(axis=1)
+    assert (np.sum(normals * areas[1], axis=1) > 0.0).all()
+    largest = [np.linalg.norm(area, axis=1).max() for area in areas]
+    assert largest[1] == pytest.approx(largest[0] / 100, rel=1e-4)
