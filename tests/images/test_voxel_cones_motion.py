@@ -99,7 +99,8 @@ def steps(kind: str, base: Scene) -> list[Scene]:
 
 @pytest.mark.parametrize(
     ("kind", "settings"),
-    [("moved", {}), ("moved", {"bounces": 3, "resolution": 1}), ("skinned", {}), ("glows", {}), ("painted", {})],
+    [("moved", {}), ("moved", {"bounces": 3, "resolution": 1}), ("moved", {"bounces": 2, "representation": "lobes"}),
+     ("skinned", {}), ("glows", {}), ("painted", {})],
 )
 def test_pictures_are_those_of_a_fresh_renderer(device, kind, settings):
     """Also when the lamp moves beside; and back where it was, nothing is left."""

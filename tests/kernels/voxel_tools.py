@@ -130,7 +130,7 @@ def shine(octree: VoxelOctree, light: np.ndarray, unit: float, touched: np.ndarr
     words = np.zeros((count, 8), np.uint32)
     for corner in range(8):
         x, y, z = (2 * cells + [corner & 1, corner >> 1 & 1, corner >> 2]).T
-        words[:, corner] = _pack_bright(light[z, y, x, owners & 7] / unit)
+        words[:, corner] = pack_bright(light[z, y, x, owners & 7] / unit)
     device.write(bricks.light.resource, words, 32 * first)
     with one_stage(device) as stage:
         if touched is None:
@@ -140,7 +140,7 @@ def shine(octree: VoxelOctree, light: np.ndarray, unit: float, touched: np.ndarr
             octree.filtering.touched(stage, unit)
 
 
-def _pack_bright(colors: np.ndarray) -> np.ndarray:
+def pack_bright(colors: np.ndarray) -> np.ndarray:
     """techniques/voxel_cones/bright.wgsl."""
     largest = np.maximum(colors.max(axis=1), 1e-30)
     exponent = np.clip(np.ceil(np.log2(largest * 512 / 511)), -31, 0)

@@ -17,7 +17,8 @@ class FacingVoxels:
 
     def __init__(self, facing, intensity):
         facings = facing_levels(facing)
-        self.levels = list(zip(facings, intensity_levels(intensity, facings), strict=True))
+        levels = zip(facings, intensity_levels(intensity, facings), strict=True)
+        self.levels: list[tuple[np.ndarray, ...]] = list(levels)
         self.n = len(facings[0])
 
     def __call__(self, points, level, towards) -> tuple[np.ndarray, np.ndarray]:
@@ -27,14 +28,14 @@ class FacingVoxels:
         for i, values in enumerate(self.levels):
             r = np.nonzero(np.abs(level - i) < 1.0)[0]
             weight = 1.0 - np.abs(level[r] - i)
-            found = _met(values, points[r] / 2.0**i, towards[r])
+            found = self.met(values, points[r] / 2.0**i, towards[r])
             radiance[r] += weight[:, None] * found[0]
             opacity[r] += weight * found[1]
         return radiance, opacity
 
-
-def _met(level: tuple[np.ndarray, np.ndarray], points: np.ndarray, towards: np.ndarray):
-    """A way of one edge along d crosses |d_a| of the sections across each axis a, of what looks against it."""
-    against = np.maximum(-towards @ DIRECTIONS.T, 0.0)
-    facing, intensity = sample(level[0], points), sample(level[1], points)
-    return np.einsum("mf,mfk->mk", against, intensity), np.einsum("mf,mf->m", against, facing)
+    def met(self, level: tuple[np.ndarray, ...], points: np.ndarray, towards: np.ndarray):
+        """Radiance times opacity, and opacity, at points in voxels of a level: a way of one edge along d crosses |d_a|
+        of the sections across each axis a, of what looks against it."""
+        against = np.maximum(-towards @ DIRECTIONS.T, 0.0)
+        facing, intensity = sample(level[0], points), sample(level[1], points)
+        return np.einsum("mf,mfk->mk", against, intensity), np.einsum("mf,mf->m", against, facing)

@@ -35,18 +35,20 @@ class Bounces:
 
     def __init__(self, device: Device, octree: VoxelOctree, reading: Reading, level: int):
         self.device, self.octree, self._reading, self._level = device, octree, reading, level
-        most = DEFAULT_LIMITS["max-storage-buffer-binding-size"] // (4 * OWN)
-        self._received = Pool("bricks", lambda n: device.buffer("voxel light", size=4 * OWN * n), limit=most)
+        kept = octree.bricks.representation
+        size = 4 * OWN * kept.sides  # bytes of a brick
+        most = DEFAULT_LIMITS["max-storage-buffer-binding-size"] // size
+        self._received = Pool("bricks", lambda n: device.buffer("voxel light", size=size * n), limit=most)
         voxels = Voxels(octree.depth, reading.file, reading.bindings, reading.structs, reading.values)
         own = [uniform("bounce", BOUNCE), storage("owners", "u32"), storage("codes", "u32"), storage("facing", "vec2u")]
         self._receive = ComputePass(
             device, "receive", "techniques/voxel_cones/receive.wgsl",
             [*own, *reading.bindings, storage_rw("received", "u32", "write")], structs=[BOUNCE, *reading.structs],
-            workgroup=WORKGROUP, row=ROW, level=level, **wide_cones(CONES, PER_LEVEL, WIDTH),
+            workgroup=WORKGROUP, row=ROW, level=level, sides=kept.sides, **wide_cones(CONES, PER_LEVEL, WIDTH),
             **cone_values(voxels, 1.0, "surfaces"),
         )  # fmt: skip
         self._reflect = ComputePass(
-            device, "reflect", "techniques/voxel_cones/reflect.wgsl",
+            device, "reflect", kept.file("reflect"),
             [*own, directory_binding(), words("leaves"), records("voxels", VOXEL), storage("ways", "u32"),
              storage("received", "u32"), storage("injected_light", "u32"), storage_rw("light", "u32", "write")],
             structs=[BOUNCE, VOXEL], workgroup=WORKGROUP, level=level, **{**octree.octree.values, "row": ROW},
@@ -56,7 +58,8 @@ class Bounces:
         """What the coarse voxels receive, of light that is filtered."""
         coarse = self.octree.bricks.levels[self._level][1]
         self._received.need(coarse)
-        self._receive.run(stage, threads(OWN * coarse), **self._own(unit), received=self._received.resource,
+        sides = self.octree.bricks.representation.sides
+        self._receive.run(stage, threads(OWN * sides * coarse), **self._own(unit), received=self._received.resource,
                           **self._reading.resources)  # fmt: skip
 
     def reflect(self, stage: Any, injected: Any, unit: float) -> None:

@@ -1,4 +1,4 @@
-"""Bricks of an octree's nodes: what faces each of six ways, and the light that is sent there (VCT 5.3, 5.4)."""
+"""Bricks of an octree's nodes: what faces each of six ways, and the light that is sent (VCT 5.3, 5.4)."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from ...gpu.records import record_texture
 from ...raytracing.scan import BLOCK, PARAMETERS, PrefixSum
 from .octree import LABEL, Octree, directory_binding
 from .pools import OWN, ROW, WORKGROUP, Pool, parameters, threads
+from .representation import REPRESENTATIONS
 
 # first: brick of a node; ways: bits, which of the six have one; scales: of those of +x, +y, +z, and of -x, -y, -z, 8
 # bits each (octree.wgsl).
 NODE = Struct("Node", first="u32", ways="u32", scales_up="u32", scales_down="u32")
 EDGE = 3
 """Texels along the edge of a brick."""
-BRICKS_ROW = 128  # bricks along x and y of their texture
-_BRICKS_LAYER = BRICKS_ROW**2
 _BUFFER = DEFAULT_LIMITS["max-storage-buffer-binding-size"]
 PARAMETERS_OF = uniform("parameters", PARAMETERS)
 
 
-def brick_texture(device: Device, count: int) -> Any:
-    """A 3D texture for `count` bricks, or more: light that is sent a way, as shares of scales, and what faces it. Its
-    depth is a power of two: so coordinates along it are exact, and samples the same bits, however much room there is.
+def brick_texture(device: Device, count: int, row: int) -> Any:
+    """A 3D texture for `count` bricks, or more, `row` along x and y: light as shares of scales, and what faces six
+    ways. Its depth is a power of two: so coordinates along it are exact, and samples the same bits, however much room
+    there is.
     """
-    depth = 1 << (EDGE * -(-count // _BRICKS_LAYER) - 1).bit_length()
-    size = (EDGE * BRICKS_ROW, EDGE * BRICKS_ROW, depth)
+    depth = 1 << (EDGE * -(-count // row**2) - 1).bit_length()
+    size = (EDGE * row, EDGE * row, depth)
     return device.texture("voxel bricks", size, "rgba8unorm", usage=STORAGE | TEXTURE | COPY, dimension="3d")
 
 
@@ -49,21 +49,23 @@ class Bricks:
     brick << 6 | which ways it has.  owners: u32 of each brick, its node << 3 | its way.  light: u32 of the eight voxels
     that each brick's node owns, what they send its way, radiance times share of section, as a share of a unit
     (bright.wgsl).  touched: u32 of each node, not 0 where its light is to be made anew.  levels: first
-    and number of bricks of each level, from level 0.
+    and number of bricks of each level, from level 0.  representation: what of this is other for lobes.
 
     static: where the octree is of what moves, the bricks of what is static, with the same depth and cube. From these
     come voxels in nodes that nothing lies in that moves, so that all nodes hold what an octree of everything would.
     """
 
-    def __init__(self, device: Device, octree: Octree, static: Bricks | None = None):
+    def __init__(self, device: Device, octree: Octree, representation: str = "axial", static: Bricks | None = None):
         self.device, self.octree, self.static = device, octree, static
-        octree.values.update(bricks_row=BRICKS_ROW)
+        self.representation = REPRESENTATIONS[representation]
+        row = self.representation.row
+        octree.values.update(bricks_row=row)
         self.levels: tuple[tuple[int, int], ...] = ((0, 0),) * octree.depth
 
         def words(count: int) -> Any:
             return device.buffer(LABEL, size=4 * count)
 
-        most = min(_BRICKS_LAYER * (DEFAULT_LIMITS["max-texture-dimension-3d"] // EDGE), _BUFFER // (4 * OWN))
+        most = min(row**2 * (DEFAULT_LIMITS["max-texture-dimension-3d"] // EDGE), _BUFFER // (4 * OWN))
         own = 8 * OWN  # bytes of what a node's voxels face
         self.facing = Pool("nodes", lambda count: device.buffer(LABEL, size=own * count), limit=_BUFFER // own)
         self.touched = Pool("nodes", words, limit=_BUFFER // 4)
@@ -71,7 +73,7 @@ class Bricks:
         self.nodes = Pool("nodes", lambda count: record_texture(device, LABEL, NODE, count), limit=_BUFFER // 4)
         self.owners, self.scales = Pool("bricks", words, limit=most), Pool("bricks", words, limit=most)
         self.light = Pool("bricks", lambda count: device.buffer(LABEL, size=4 * OWN * count), limit=most)
-        self.bricks = Pool("bricks", lambda count: brick_texture(device, count), limit=most)
+        self.bricks = Pool("bricks", lambda count: brick_texture(device, count, row), limit=most)
         self._sums = PrefixSum(device, "u32")
         self.pass_values: dict[str, Any] = {
             "structs": [PARAMETERS, NODE], "workgroup": WORKGROUP, "row": ROW, "block": BLOCK,
@@ -90,7 +92,7 @@ class Bricks:
         )
         borrowed = [texture("static_directory", "uint"), storage("static_ways", "u32")] if self.static else []
         self._ways = ComputePass(
-            self.device, "ways", f"{folder}/ways.wgsl",
+            self.device, "ways", self.representation.file("ways"),
             [*nodes, storage("facing", "vec2u"), out["masks"], out["values"], *borrowed], borrows=bool(borrowed),
             **{**fixed, "parts": self.parts},
         )  # fmt: skip

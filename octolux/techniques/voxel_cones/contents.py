@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...gpu.records import read_records, read_words
+from ...simulator.voxels.lobes import shares_of_ways
 from .pools import OWN
 from .structure import VOXEL, VoxelOctree
 
@@ -40,7 +41,7 @@ def level_voxels(octree: VoxelOctree, level: int, unit: float) -> np.ndarray:
     corners = np.arange(OWN)[:, None] >> np.arange(3) & 1
     found["cell"] = 2 * node_cells(octree, level)[:, None] + corners
     found["facing"] = _facing(octree, level)
-    _add_light(octree, level, unit, found["light"])
+    _add_light(octree, level, unit, found)
     if level == 0:
         _add_surfaces(octree, found)
     return found.reshape(-1)
@@ -60,12 +61,21 @@ def _facing(octree: VoxelOctree, level: int) -> np.ndarray:
     return shares.reshape(count, OWN, 6)  # +x, -x, +y, ...
 
 
-def _add_light(octree: VoxelOctree, level: int, unit: float, light: np.ndarray) -> None:
+def _add_light(octree: VoxelOctree, level: int, unit: float, found: np.ndarray) -> None:
+    """Of lobes what cones read of them: light of the first brick divided among ways by the moment in the second."""
     bricks, first_node = octree.bricks, octree.octree.counts.levels[level][0]
     first, count = bricks.levels[level]
     owners = _words(octree, bricks.owners.resource, first, count)
-    sent = unpack_bright(_words(octree, bricks.light.resource, OWN * first, OWN * count)).reshape(count, OWN, 3)
-    light[(owners >> 3) - first_node, :, owners & 7] = unit * sent
+    words = _words(octree, bricks.light.resource, OWN * first, OWN * count)
+    if bricks.representation.directed:
+        parts = words.reshape(-1, 3, OWN)
+        light, moment = unpack_bright(parts[:, 0].ravel()), unpack_moment(parts[:, 1].ravel())
+        comes_from = moment / np.maximum(light.mean(axis=-1, keepdims=True), 1e-9)
+        shares = shares_of_ways(found["facing"].reshape(-1, 6), comes_from)
+        found["light"] = unit * (shares[..., None] * light[:, None]).reshape(-1, OWN, 6, 3)
+    else:
+        sent = unpack_bright(words).reshape(count, OWN, 3)
+        found["light"][(owners >> 3) - first_node, :, owners & 7] = unit * sent
 
 
 def _add_surfaces(octree: VoxelOctree, found: np.ndarray) -> None:
@@ -81,3 +91,9 @@ def unpack_bright(packed: np.ndarray) -> np.ndarray:
     """Shares (m, 3) from words (m,) of bright.wgsl."""
     codes = packed[:, None] >> np.array([0, 9, 18], np.uint32) & 511
     return codes * 2.0 ** ((packed >> 27).astype(np.float64)[:, None] - 40.0)
+
+
+def unpack_moment(packed: np.ndarray) -> np.ndarray:
+    """Moments (m, 3) from words (m,) of lobes/moment.wgsl."""
+    codes = (packed[:, None] >> np.array([0, 9, 18], np.uint32) & 511).astype(np.float64) - 256.0
+    return np.where(packed[:, None] != 0, codes, 0.0) * 2.0 ** ((packed >> 27).astype(np.float64)[:, None] - 39.0)

@@ -14,6 +14,8 @@ from .bricks import NODE, PARAMETERS_OF, Bricks
 from .octree import LABEL, directory_binding
 from .pools import OWN, Pool, parameters, threads
 
+_OF_LIGHT = ("average_light", "bricks", "surfaces")
+"""Shaders that know how light is kept (representation.py)."""
 _DARK = float(np.finfo(np.float32).tiny)
 
 
@@ -42,6 +44,9 @@ class Filtering:
         self._average_touched = self._made("average_light", [*light_out, touched], listed=True)
         self._copy = self._made("bricks", copied, listed=False)
         self._copy_listed = self._made("bricks", [*copied, count, storage("update_list", "u32")], listed=True)
+        self._surfaces = None
+        if bricks.representation.directed:
+            self._surfaces = self._made("surfaces", [*nodes, facing, owners, brick_out[1]])
         shown = [*nodes[1:], texture("shown_directory", "uint")] if bricks.static else []
         self._records = self._made(
             "records", [PARAMETERS_OF, ways, scales, records_out("nodes", NODE), *shown], shown=bool(shown),
@@ -64,7 +69,16 @@ class Filtering:
     def _made(self, file: str, bindings: list[Binding], **values: Any) -> ComputePass:
         reads = [binding.name for binding in bindings if binding.name == "ways"]
         given = {**self.bricks.pass_values, "reads": reads, **values}
-        return ComputePass(self.device, file, f"techniques/voxel_cones/{file}.wgsl", bindings, **given)
+        folder = self.bricks.representation.folder if file in _OF_LIGHT else "techniques/voxel_cones"
+        return ComputePass(self.device, file, f"{folder}/{file}.wgsl", bindings, **given)
+
+    def surfaces(self, stage: Any) -> None:
+        """Write, after a build, what of bricks no light changes."""
+        if self._surfaces:
+            bricks, given = self.bricks, self._given(1.0)
+            self._surfaces.run(stage, threads(bricks.bricks.used), parameters=given, **bricks.of_nodes(),
+                               facing=bricks.facing.resource, owners=bricks.owners.resource,
+                               bricks=bricks.bricks.resource)  # fmt: skip
 
     def everything(self, stage: Any, unit: float = 1.0) -> None:
         bricks, self._listed = self.bricks, False

@@ -21,8 +21,10 @@ from .structure import VoxelOctree
 from .voxeliser import CUBE
 
 # Of level 0 the first brick and how many. group: of lights, its number; last: 1 for the last.  to_light: from its sums
-# to `light`.  before: bricks of level 0 before the first.
-INJECTED = Struct("Injected", to_light="vec3f", first="u32", count="u32", group="u32", last="u32", before="u32")
+# to `light`; to_moment: and to its moments.  before: bricks of level 0 before the first.
+INJECTED = Struct(
+    "Injected", to_light="vec3f", first="u32", count="u32", group="u32", last="u32", before="u32", to_moment="f32"
+)
 _SUMS = 12 * OWN  # bytes of a brick
 _BUFFER = DEFAULT_LIMITS["max-storage-buffer-binding-size"]
 _ROUND = (64 << 20) // _SUMS  # bricks at a time
@@ -51,17 +53,18 @@ class Injection:
             "bricks of level 0", lambda count: device.buffer(_LABEL, size=4 * OWN * count), limit=_BUFFER // (4 * OWN)
         )
         group = uniform("injected", INJECTED)
-        fixed: dict[str, Any] = {"workgroup": WORKGROUP, "row": ROW}
+        fixed: dict[str, Any] = {"workgroup": WORKGROUP, "row": ROW, "pi": pi}
+        kept = octree.bricks.representation
         leaves = [*octree.leaf_bindings, *(octree.other_leaf_bindings(self._part) if other else ())]
         self._inject = ComputePass(
-            device, "inject", "techniques/voxel_cones/inject.wgsl",
+            device, "inject", kept.file("inject"),
             [uniform("source", SOURCE), group, *leaves, records("vpls", VPL), storage("facing", "vec2u"),
-             storage("ways", "u32"), atomic_words("sums", "u32")],
-            structs=[SOURCE, INJECTED, CUBE, VPL],
+             storage("ways", "u32"), atomic_words("sums", "u32"), *kept.bindings],
+            structs=[SOURCE, INJECTED, CUBE, VPL, *kept.structs],
             **{**fixed, **octree.leaf_values, "parts": ("", self._part) if other else ("",)},
         )  # fmt: skip
         self._collect = ComputePass(
-            device, "collect", "techniques/voxel_cones/collect.wgsl",
+            device, "collect", kept.file("collect"),
             [group, storage_rw("sums", "u32"), storage_rw("fresh", "u32"), storage("owners", "u32"),
              storage_rw("light", "u32"), storage_rw("touched", "u32", "write")],
             structs=[INJECTED], **fixed,
@@ -84,7 +87,8 @@ class Injection:
 
     def _choose_unit(self, total_flux: np.ndarray) -> bool:
         """What a voxel would send that all flux, (lights, 3), fell into; returns whether it is other than before."""
-        most = float(total_flux.sum(axis=0).max(initial=0.0)) / (pi * self.octree.grid.cell_size**2)
+        sent = self.octree.bricks.representation.most * float(total_flux.sum(axis=0).max(initial=0.0))
+        most = sent / (pi * self.octree.grid.cell_size**2)
         unit = float(2.0 ** np.ceil(np.log2(most))) if most > 0.0 else 1.0
         changed, self.unit = unit != self.unit, unit
         return changed
@@ -92,7 +96,9 @@ class Injection:
     def _inject_group(self, stage: Any, frame: Frame, lights: SourceGroup, **values: int) -> None:
         packed, scale = lights.pack(), 1.0 / (self.octree.grid.cell_size**2 * self.unit)
         to_light = packed[0]["to_intensity"][0] * scale if packed else (0.0,) * 3
-        injected = self.device.uniform(_LABEL, INJECTED.pack(to_light=to_light, **values))
+        to_moment = 2.0 / 3.0 / packed[0]["moment_scale"][0] * scale if packed else 0.0  # 2, 3: lobes/inject.wgsl
+        injected = self.device.uniform(_LABEL, INJECTED.pack(to_light=to_light, to_moment=to_moment, **values))
+        kept = self.octree.bricks.representation
         leaves = {
             **self.octree.leaf_resources(), **(self._other.leaf_resources(self._part) if self._other else {})
         }  # fmt: skip
@@ -101,6 +107,7 @@ class Injection:
                 stage, threads(int(source["count"][0])), source=self.device.uniform(_LABEL, source),
                 injected=injected, vpls=frame.vpls, sums=self._sums.resource, **leaves,
                 **self._of_bricks("facing", "ways"),
+                **kept.resources(self.device, frame, int(source["first"][0])),
             )  # fmt: skip
         self._collect.run(
             stage, threads(OWN * values["count"]), injected=injected, sums=self._sums.resource,

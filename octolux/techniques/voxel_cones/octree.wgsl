@@ -5,8 +5,9 @@
 // says of 32 cells which have nodes, and the number of the first of these: children, parent and neighbours of a node, the
 // pointers of the thesis (VCT 5.2.2), are looked up there by their codes, without a descent.
 //
-// A node has a brick for each of the six ways that anything in it faces. Its 3^3 texels are the middles of voxels 2 j to
-// 2 j + 2 of its level, where j is its cell: so what lies between them is filtered by hardware.
+// A node has a brick for each of the six ways that anything in it faces, or bricks of lobes (representation.py). The 3^3
+// texels of each are the middles of voxels 2 j to 2 j + 2 of its level, where j is its cell: so what lies between them is
+// filtered by hardware.
 {{ use("techniques/voxel_cones/codes.wgsl") }}
 
 const NO_NODE = 0xffffffffu;
@@ -59,7 +60,7 @@ fn brick_there(node: u32, way: u32) -> u32 {
 
 // The first texel of a brick.
 fn brick_texel(brick: u32) -> vec3u {
-    return 3u * vec3u(brick & {{ bricks_row - 1 }}u, brick / {{ bricks_row }}u % {{ bricks_row }}u, brick / {{ bricks_row**2 }}u);
+    return 3u * vec3u(brick % {{ bricks_row }}u, brick / {{ bricks_row }}u % {{ bricks_row }}u, brick / {{ bricks_row**2 }}u);
 }
 
 // Scales are the first bits of floats, exponent and two of the mantissa, from 2^-32 (code 0) to below 2^32.
@@ -71,6 +72,8 @@ fn scale_code(brightest: f32) -> u32 {
 fn scale_of(code: u32) -> f32 { return bitcast<f32>((code + 380u) << 21u); }
 
 {% if "nodes" in reads %}
+// `sample`, of the representation, has sample_node for each part.
+//
 // position: in voxels of level 0 from the cube's corner, inside it. Of a level the cell of 2^3 voxels' edges around it,
 // whose corners are middles of voxels; half a voxel from the border inwards the outermost voxels hold. A filter's weights have
 // 8 bits: `within` has as many, and a quarter, so that a sample is the same bits wherever its brick lies in the texture.
@@ -91,31 +94,7 @@ fn is_empty(position: vec3f, level: u32) -> bool {
     return {% for part in parts %}{{ " && " if not loop.first }}{{ part }}node_of(code) == NO_NODE{% endfor %};
 }
 
-{% for part in parts %}
-// What one way sends, and what faces there.
-fn {{ part }}read_way(node: Node, way: u32, scales: u32, within: vec3f, over: vec3f) -> vec4f {
-    let brick = brick_of_way((node.first << 6u) | node.ways, way);
-    let texel = vec3f(brick_texel(select(brick, 0u, brick == NO_NODE))) + within;
-    let found = textureSampleLevel({{ part }}bricks, brick_sampler, over * texel, 0.0);
-    let scale = scale_of((scales >> (8u * (way >> 1u))) & 255u);
-    return select(vec4f(scale * found.rgb, found.a), vec4f(0.0), brick == NO_NODE);
-}
-
-fn {{ part }}sample_node(number: u32, place: Place, direction: vec3f) -> vec4f {
-    let node = load_{{ part }}nodes(number);
-    let over = 1.0 / vec3f(textureDimensions({{ part }}bricks));
-    var sum = vec4f(0.0);
-    {% for axis in "xyz" %}
-    {
-        let up = direction.{{ axis }} < 0.0;
-        let way = {{ 2 * loop.index0 }}u + select(1u, 0u, up);
-        let scales = select(node.scales_down, node.scales_up, up);
-        sum += abs(direction.{{ axis }}) * {{ part }}read_way(node, way, scales, place.within, over);
-    }
-    {% endfor %}
-    return sum;
-}
-{% endfor %}
+{{ use(sample) }}
 
 // What is met around a position on a way along the unit vector `direction` as long as an edge of the level's voxels:
 // radiance times opacity, and opacity. It crosses |d| of the sections across each axis, of what looks against it. Nodes of what

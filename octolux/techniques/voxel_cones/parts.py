@@ -31,8 +31,10 @@ class Parts:
     thing belongs. box: what the cube of voxels is around, low and high (3,), m; by default as `cube_of` says.
     """
 
-    def __init__(self, device: Device, depth: int, texture_level: float, box: Boxes | None = None):
-        self._made, self._box = (device, depth, texture_level), box
+    def __init__(
+        self, device: Device, depth: int, texture_level: float, representation: str = "axial", box: Boxes | None = None
+    ):  # fmt: skip
+        self._made, self._box = (device, depth, texture_level, representation), box
         self.static = VoxelOctree(*self._made)
         self.moving: VoxelOctree | None = None
         self._static_of: tuple[int, int, Grid] | None = None

@@ -7,6 +7,7 @@ from typing import Any
 from ...gpu.bindings import Binding, sampler, texture
 from ...gpu.device import Device
 from ...gpu.records import records, sampled_records
+from ...simulator.voxels.lobes import LEAST
 from .bricks import NODE, Bricks
 from .octree import directory_binding
 
@@ -21,7 +22,7 @@ class Reading:
     are read, which hold what is static there too.
 
     bindings, structs, values: for the passes. Two of the bindings are storage textures: what is read most often.
-    Raises ValueError for octrees of other depths.
+    Raises ValueError for octrees of other depths or representations.
     """
 
     structs = STRUCTS
@@ -32,13 +33,16 @@ class Reading:
         depths = [bricks.octree.depth for bricks in octrees]
         if len(set(depths)) > 1:
             raise ValueError(f"octrees that are read together have one depth, not {depths}")
+        if moving and moving.representation != static.representation:
+            raise ValueError("octrees that are read together keep light alike")
         self._octrees = dict(zip(PARTS, octrees, strict=False))
         self._sampler = device.wgpu.create_sampler(mag_filter="linear", min_filter="linear")
         self.bindings: list[Binding] = [sampler("brick_sampler"), directory_binding(), records("nodes", NODE)]
         if moving:
             self.bindings += [texture("moving_directory", "uint"), sampled_records("moving_nodes", NODE)]
         self.bindings += [texture(f"{part}bricks", "float", "3d") for part in self._octrees]
-        self.values: dict[str, Any] = {**static.octree.values, "reads": ("nodes",), "parts": tuple(self._octrees)}
+        self.values: dict[str, Any] = {**static.octree.values, "reads": ("nodes",), "parts": tuple(self._octrees),
+                                       "sample": static.representation.file("sample"), "least": LEAST}  # fmt: skip
 
     @property
     def resources(self) -> dict[str, Any]:

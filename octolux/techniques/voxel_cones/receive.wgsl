@@ -1,5 +1,6 @@
 // What surfaces that face one way in a coarse voxel receive through wide cones, over pi: as shares of a unit (bright.wgsl). A
-// thread for each of the eight voxels of a brick's node. Cones start off the voxel's face, where nothing in it is before them.
+// thread for each of the eight voxels of a brick's node, and each of the brick's {{ sides }} sides. Cones start off the
+// voxel's face, where nothing in it is before them.
 {{ use("shaders/sample_directions.wgsl") }}
 {{ use("techniques/voxel_cones/wide_cone.wgsl") }}
 {{ use("techniques/voxel_cones/facing.wgsl") }}
@@ -8,10 +9,10 @@
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let index = id.x + {{ row }}u * id.y;
-    if index >= 8u * bounce.coarse_count { return; }
-    let owner = owners[bounce.coarse_first + (index >> 3u)];
+    if index >= {{ 8 * sides }}u * bounce.coarse_count { return; }
+    let owner = owners[bounce.coarse_first + index / {{ 8 * sides }}u];
     let corner = index & 7u;
-    let way = owner & 7u;
+    let way = {{ sides }}u * (owner & 7u) + (index >> 3u) % {{ sides }}u;
     let wanted = share_of_way(facing[8u * (owner >> 3u) + corner], way) > 0.0;
     let cell = cell_of(8u * codes[owner >> 3u] + corner);
     let side = select(1.0, -1.0, (way & 1u) == 1u);

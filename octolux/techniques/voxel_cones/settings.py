@@ -9,6 +9,7 @@ import numpy as np
 
 from ...simulator.voxels.cones import COVERS
 from ..settings import Form, Settings, setting
+from .representation import REPRESENTATIONS
 
 
 def read_box(text: str) -> tuple[np.ndarray, np.ndarray] | None:
@@ -39,6 +40,12 @@ class VoxelConesSettings(Settings):
         "scene", meaning="what the cube of voxels is around: the scene's box, or another. Outside, nothing is lit by "
         "voxels, and light that falls there is lost", unit="m", allowed=BOX,
         cost="none; a smaller one has smaller voxels", source="VCT 5.2",
+    )  # fmt: skip
+    representation: str = setting(
+        "axial", meaning="what voxels keep of light: six axial intensities; or one, and as Gaussian lobes normals and "
+        "where light comes from", unit="", allowed=tuple(REPRESENTATIONS),
+        cost="lobes take less memory where surfaces are seen from both sides, and filter faster there; less exact",
+        source="VCT 5.3, tables 6.5 and 6.6",
     )  # fmt: skip
     texture_level: float = setting(
         0.0, meaning="mip level of textures that voxels take their colour from, over that whose texels are as large as "

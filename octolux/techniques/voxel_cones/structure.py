@@ -41,12 +41,15 @@ class VoxelOctree:
     leaf_bindings: tuple[Binding, ...] = (uniform("cube", CUBE), words("leaves"), directory_binding())
     """With `leaf_values` and the struct CUBE, for shaders that look up voxels of level 0 (leaves.wgsl)."""
 
-    def __init__(self, device: Device, depth: int, texture_level: float = 0.0, static: VoxelOctree | None = None):
+    def __init__(
+        self, device: Device, depth: int, texture_level: float = 0.0, representation: str = "axial",
+        static: VoxelOctree | None = None,
+    ):  # fmt: skip
         self.device, self.depth, self.static = device, depth, static
         self.grid: Grid
         self.peak = 0.0
         self.octree = Octree(device, depth, moving=static is not None)
-        self.bricks: Bricks = Bricks(device, self.octree, static.bricks if static else None)
+        self.bricks: Bricks = Bricks(device, self.octree, representation, static.bricks if static else None)
         self.filtering = Filtering(device, self.bricks)
         self._voxeliser = Voxeliser(device, self.octree, texture_level)
         self.voxels = Pool("voxels", lambda count: record_texture(device, LABEL, VOXEL, count), limit=1 << 24)
@@ -105,6 +108,7 @@ class VoxelOctree:
             self.bricks.average(stage)
         self.bricks.number(profiler)
         with profiler.stage("edge copy") as stage:
+            self.filtering.surfaces(stage)
             self.filtering.everything(stage)
 
     def _sum(self, stage: Any, scene: GpuScene, triangles: Triangles) -> None:
