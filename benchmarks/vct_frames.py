@@ -1,4 +1,4 @@
-"""The frames that VCT's tables are measured on: a lamp that moves through a scene, each part of a frame timed alone.
+"""The frames that VCT's tables are measured on: a lamp and a ball move through a scene, and each part is timed alone.
 
 As in the thesis: 512 x 512 pixels, 6 diffuse cones at each and a specular one, 8 levels, and one lamp that shines all
 around, every texel of whose 512 x 512 shadow maps is injected; nothing else shines.
@@ -12,13 +12,18 @@ from functools import cache
 from math import cos, pi, radians, sin
 from typing import Any
 
+import numpy as np
+
 import octolux
 from octolux.compare.choices import choice
 from octolux.frame.frame import FrameSettings
 from octolux.gpu_scene.gpu_scene import GpuScene
 from octolux.renderer import Renderer
+from octolux.scene.builtin.round_shapes import sphere
 from octolux.scene.environment import Environment
 from octolux.scene.lights import Light, PointLight, SpotLight
+from octolux.scene.materials import Material
+from octolux.scene.meshes import Instance
 from octolux.scene.scene import Scene
 from octolux.simulator.voxels.surfaces import around
 from octolux.techniques import technique_class
@@ -35,29 +40,36 @@ TECHNIQUE = "voxel-cones:full,cones=6,width=1.0,samples=2"
 """As many cones as the thesis traces, as wide, at all pixels."""
 
 WARM_UP = 2
-OTHER, CLEARED = "other", "clear"
+OTHER = "other"
 """What the thesis does not time: the G-buffer, direct light, composite."""
 
 COPIES = "CP inside, edge"
 """Both in one pass here."""
 
+OCTREE = "octree: "
+"""What names of parts begin with that build an octree: of what moves, where it is in a frame."""
+
+_BUILDING = {
+    "fragments": thesis.FRAGMENTS, "octree": thesis.BUILD, "voxels": thesis.LEAVES, "averaging": thesis.CHILDREN,
+    "bricks": COPIES, "edge copy": COPIES,
+}  # fmt: skip
 _STAGES = {
     "RSM rendering": thesis.RENDER, "RSM surfaces": thesis.TRAVERSE, "injection": thesis.INSERT,
     "diffuse cones": thesis.DIFFUSE, "cone filter": thesis.DIFFUSE, "specular cones": thesis.SPECULAR,
-    "fragments": thesis.FRAGMENTS, "octree": thesis.BUILD, "voxels": thesis.LEAVES, "averaging": thesis.CHILDREN,
-    "bricks": COPIES, "edge copy": COPIES, "filtering": COPIES,
+    "filtering": COPIES,
 }  # fmt: skip
 _PASSES = {
     ("injection", "inject"): thesis.TRAVERSE, ("filtering", "touch"): thesis.LIST,
     ("filtering", "update_list"): thesis.LIST, ("filtering", "average_light"): thesis.CHILDREN,
-    ("edge copy", "average_light"): thesis.CHILDREN,
 }  # fmt: skip
 
 
 def part_of(stage: str, name: str, clears: bool = False) -> str:
     """The part of the thesis's that a pass, or the clearing of a buffer, of that name in that stage belongs to."""
-    if clears and stage == "voxels":
-        return thesis.RESET
+    if stage in _BUILDING:
+        if clears and stage == "voxels":
+            return OCTREE + thesis.RESET
+        return OCTREE + (thesis.CHILDREN if name == "average_light" else _BUILDING[stage])
     if clears and stage == "filtering":
         return thesis.LIST
     return _PASSES.get((stage, name), _STAGES.get(stage, OTHER))
@@ -66,41 +78,51 @@ def part_of(stage: str, name: str, clears: bool = False) -> str:
 @dataclass(frozen=True)
 class Place:
     """thesis: the scene's name there, or "".  camera: that sees it.  lamp: where it is, of how many candela, and the
-    metres of the circle that it goes around."""
+    metres of the circle that it goes around; on its other side, `below` the lamp, is a ball of the radius `ball`."""
 
     thesis: str
     camera: str
     lamp: tuple[float, float, float]
     candela: float
     reach: float
+    below: float
+    ball: float
 
 
 PLACES = {
-    "cornell-box": Place("Cornell box", "front", (0.0, 1.6, 0.2), 60.0, 0.2),
-    "corridor": Place("Dungeon", "lit", (-0.93, 1.5, 0.3), 100.0, 0.3),
-    "atrium": Place("", "hall", (0.5, 1.6, -1.4), 1000.0, 0.7),
-    "crytek": Place("Sponza", "nave", (0.5, 1.6, -1.4), 1000.0, 0.7),
+    "cornell-box": Place("Cornell box", "front", (0.0, 1.6, 0.2), 60.0, 0.2, 0.8, 0.15),
+    "corridor": Place("Dungeon", "lit", (-0.93, 1.5, 0.3), 100.0, 0.3, 0.8, 0.15),
+    "atrium": Place("", "hall", (0.5, 1.6, -1.4), 1000.0, 0.7, 0.8, 0.25),
+    "crytek": Place("Sponza", "nave", (0.5, 1.6, -1.4), 1000.0, 0.7, 0.8, 0.25),
 }
 _PERIOD = 50  # frames of the lamp's circle
 
 
 @cache
 def scene_of(name: str) -> Scene:
-    """In the dark, at 0 s. Raises NeedsData when its model is not there."""
+    """In the dark, at 0 s, with the ball as its last mesh. Raises NeedsData when its model is not there."""
     scene = scenes_on_disk.load("crytek_lamps") if name == "crytek" else octolux.load(name)
     still = scene.at(0.0) if scene.tracks else scene
-    return replace(still, lights=[], environment=Environment((0.0, 0.0, 0.0)), exposure=4.0)
+    ball = sphere(PLACES[name].ball, material=len(still.materials), name="ball")
+    return replace(
+        still, lights=[], environment=Environment((0.0, 0.0, 0.0)), exposure=4.0, meshes=[*still.meshes, ball],
+        materials=[*still.materials, Material(base_color=(0.6, 0.6, 0.6), specular=0.0)],
+    )  # fmt: skip
 
 
 def lit(name: str, frame: int, faces: int = 6) -> Scene:
-    """The scene in frame number `frame`: the lamp has moved. It shines all around, or with one of `faces` downwards."""
-    place, turn = PLACES[name], 2.0 * pi * frame / _PERIOD
+    """The scene in frame number `frame`: lamp and ball have moved. The lamp shines all around, or down with one face."""
+    place, turn, base = PLACES[name], 2.0 * pi * frame / _PERIOD, scene_of(name)
     x, y, z = place.lamp
-    at, intensity = (x + place.reach * cos(turn), y, z + place.reach * sin(turn)), (place.candela,) * 3
+    aside = np.array([place.reach * cos(turn), 0.0, place.reach * sin(turn)])
+    at, intensity = tuple(place.lamp + aside), (place.candela,) * 3
     lamp: Light = PointLight(position=at, intensity=intensity)
     if faces == 1:
         lamp = SpotLight(position=at, direction=(0.0, -1.0, 0.0), intensity=intensity, outer_angle=radians(45.0))
-    return replace(scene_of(name), lights=[lamp])
+    transform = np.eye(4)
+    transform[:3, 3] = (x, y - place.below, z) - aside
+    ball = Instance(len(base.meshes) - 1, transform, name="ball")
+    return replace(base, lights=[lamp], instances=[*base.instances, ball])
 
 
 @dataclass(frozen=True)

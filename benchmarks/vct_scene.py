@@ -18,7 +18,7 @@ from octolux.scene.cameras import Camera
 from octolux.scene.materials import Material
 from octolux.scene.meshes import Instance, Mesh
 from octolux.scene.scene import Scene
-from octolux.techniques.voxel_cones.gathering import DiffuseCones, Voxels
+from octolux.techniques.voxel_cones.gathering import DiffuseCones
 from octolux.techniques.voxel_cones.settings import VoxelConesSettings
 from octolux.techniques.voxel_cones.technique import VoxelCones
 
@@ -36,11 +36,10 @@ MAPS = FrameSettings(shadow_resolution=64, rsm_resolution=32, sky_lights=0, emit
 
 @dataclass(eq=False)
 class Watched:
-    """A picture, the technique that made it, and the frame that its passes read."""
+    """A picture, and the technique that made it, which keeps the frame that its passes read."""
 
     picture: Picture
     technique: VoxelCones
-    frame: Frame
 
     def shine(self, light: Callable[[np.ndarray], np.ndarray]) -> None:
         """Let voxels of level 0 send this, in the place of what lamps bring: of [z][y][x][6], what faces each way, the
@@ -51,33 +50,29 @@ class Watched:
 
     def irradiance(self, sky: bool = False) -> np.ndarray:
         """What the technique's diffuse cones gather now, (height, width, 3); with `sky` what is left sees it."""
-        s, reading = self.technique.settings, self.technique.reading
-        voxels = Voxels(s.depth, reading.file, reading.bindings, reading.structs, reading.values)
+        technique, s = self.technique, self.technique.settings
         cones = DiffuseCones(
-            self.technique.device, voxels, count=s.cones, per_level=s.samples, width=s.width, resolution=s.resolution,
-            offset=s.offset, cover=s.cover, sky=sky,
+            technique.device, technique.voxels, count=s.cones, per_level=s.samples, width=s.width,
+            resolution=s.resolution, offset=s.offset, cover=s.cover, sky=sky,
         )  # fmt: skip
-        cones.prepare(self.frame.pixels)
+        frame = self._frame()
+        cones.prepare(frame.pixels)
         with submitted() as stage:
-            cones.gather(stage, self.frame, self.technique.octree.grid, **reading.resources)
-            cones.filter(stage, self.frame)
-        return self.technique.device.read_texture(cones.irradiance, np.float32, 4)[..., :3]
+            cones.gather(stage, frame, technique.octree.grid, **technique.reading.resources)
+            cones.filter(stage, frame)
+        return technique.device.read_texture(cones.irradiance, np.float32, 4)[..., :3]
 
     def specular(self) -> np.ndarray:
         """What its specular cones reflect now, (height, width, 3)."""
         technique = self.technique
         assert technique.specular
         with submitted() as stage:
-            technique.specular.run(stage, self.frame, technique.octree.grid, **technique.reading.resources)
+            technique.specular.run(stage, self._frame(), technique.octree.grid, **technique.reading.resources)
         return technique.device.read_texture(technique.specular.specular, np.float32, 4)[..., :3]
 
-
-class _Watching(VoxelCones):
-    frame: Frame
-
-    def shade(self, frame: Frame) -> None:
-        self.frame = frame
-        super().shade(frame)
+    def _frame(self) -> Frame:
+        assert self.technique.frame
+        return self.technique.frame
 
 
 def watched(
@@ -86,11 +81,13 @@ def watched(
     """One frame. words: preset and changed settings, PRESET[,KEY=VALUE...]; DEPTH unless they say it."""
     preset, _, changes = words.partition(",")
     one = choice(f"voxel-cones:{preset},depth={DEPTH}{',' + changes if changes else ''}")
-    renderer = Renderer(scene, "none", size=size, device=device, exposure=0.0, default_light=False, frame_settings=MAPS)
-    assert isinstance(one.settings, VoxelConesSettings)
-    renderer.technique = technique = _Watching(device, one.settings)
+    renderer = Renderer(
+        scene, one.technique, settings=one.settings, size=size, device=device, exposure=0.0, default_light=False,
+        frame_settings=MAPS,
+    )  # fmt: skip
     picture = renderer.render(camera)
-    return Watched(picture, technique, technique.frame)
+    assert isinstance(renderer.technique, VoxelCones)
+    return Watched(picture, renderer.technique)
 
 
 def scene_of(meshes: Sequence[Mesh], materials: Sequence[Material], **rest: Any) -> Scene:

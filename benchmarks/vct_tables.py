@@ -18,7 +18,7 @@ from octolux.techniques.settings import suggest
 from . import vct_thesis as thesis
 from . import written_tables
 from .registry import figure
-from .vct_frames import COPIES, PLACES, Built, Case, built, frames_of
+from .vct_frames import COPIES, OCTREE, PLACES, Built, Case, built, frames_of
 
 FRAMES = 3
 DEPTHS, MEMORY_DEPTHS = (6, 7, 8), (7, 8, 9)
@@ -26,10 +26,10 @@ _FEW = 64
 """Texels, or pixels, of what a table is not about."""
 
 _COPIED = (thesis.INSIDE, thesis.EDGES)
+BUILDING = (thesis.FRAGMENTS, thesis.BUILD)
 FILLING = (thesis.RESET, thesis.LEAVES, thesis.CHILDREN, COPIES)
-STATIC = (thesis.FRAGMENTS, thesis.BUILD, *FILLING)
 INJECTION = (thesis.RENDER, thesis.TRAVERSE, thesis.INSERT, thesis.LIST, thesis.CHILDREN, COPIES)
-BUILT, HELD, BRICKS = (thesis.BUILD, thesis.FILL), "rest, MB", "bricks"
+HELD, BRICKS = "rest, MB", "bricks"
 
 Row = dict[str, float]
 Measured = dict[str, dict[str, Row]]
@@ -50,13 +50,23 @@ def _sum(parts: Mapping[str, float], names: Sequence[str]) -> float:
     return sum(parts.get(name, 0.0) for name in names)
 
 
-def _steps(frame: Row, octree: Built) -> Row:
-    """The columns of tables 6.4, 6.5 and 6.9."""
-    return {
-        thesis.BUILD: _sum(octree.parts, STATIC[:2]), thesis.FILL: _sum(octree.parts, FILLING),
+def _octree(parts: Row) -> Row:
+    """Of building one: the parts that are so, and their total."""
+    found = {part: parts[OCTREE + part] for part in (*BUILDING, *FILLING)}
+    return {**found, thesis.TOTAL: sum(found.values())}
+
+
+def _steps(frame: Row, static: Built) -> Row:
+    """The columns of tables 6.4, 6.5 and 6.9. The total is that of a frame, in which only what moves is built."""
+    once, moving = _octree(static.parts), _octree(frame)
+    found = {
+        thesis.MOVING_BUILD: _sum(moving, BUILDING), thesis.MOVING_FILL: _sum(moving, FILLING),
         thesis.INJECT: _sum(frame, INJECTION), thesis.DIFFUSE: frame[thesis.DIFFUSE],
         thesis.SPECULAR: frame[thesis.SPECULAR],
-        thesis.TOTAL: _sum(frame, (*INJECTION, thesis.DIFFUSE, thesis.SPECULAR)),
+    }  # fmt: skip
+    return {
+        thesis.BUILD: _sum(once, BUILDING), thesis.FILL: _sum(once, FILLING), **found,
+        thesis.TOTAL: sum(found.values()),
     }  # fmt: skip
 
 
@@ -101,11 +111,13 @@ def cones(scene: str, count: int) -> dict[str, Row]:
 
 def static(scene: str, count: int) -> dict[str, Row]:
     """Table 6.11."""
-    return {
-        str(levels): {**{part: one.parts.get(part, 0.0) for part in STATIC}, thesis.TOTAL: _sum(one.parts, STATIC),
-                      thesis.NODES: one.nodes}
-        for levels, one in zip(DEPTHS, _built(scene, DEPTHS, count), strict=True)
-    }  # fmt: skip
+    octrees = zip(DEPTHS, _built(scene, DEPTHS, count), strict=True)
+    return {str(levels): {**_octree(one.parts), thesis.NODES: one.nodes} for levels, one in octrees}
+
+
+def moving(scene: str, count: int) -> dict[str, Row]:
+    """Table 6.12. Here no update list is made: all bricks of what moves are made anew."""
+    return {str(levels): _octree(frame) for levels, frame in zip(DEPTHS, _by_depth(scene, count), strict=True)}
 
 
 def injection(scene: str, count: int) -> dict[str, Row]:
@@ -127,6 +139,7 @@ TABLES: dict[str, tuple[str, str, Measure, thesis.Rows]] = {
     "6.9": ("Steps of a frame by depth", "depth", depth, thesis.BY_DEPTH),
     "6.10": ("Diffuse cones by their number", "cones", cones, thesis.BY_CONES),
     "6.11": ("Voxelisation of what is static", "depth", static, thesis.STATIC_PARTS),
+    "6.12": ("Voxelisation of what moves", "depth", moving, thesis.MOVING_PARTS),
     "6.13": ("Injection of light", "depth", injection, thesis.INJECTION_PARTS),
 }  # fmt: skip
 """Title, what rows vary, ours, the thesis's."""
