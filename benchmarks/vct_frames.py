@@ -111,7 +111,7 @@ def scene_of(name: str) -> Scene:
 
 
 def lit(name: str, frame: int, faces: int = 6) -> Scene:
-    """The scene in frame number `frame`: lamp and ball have moved. The lamp shines all around, or down with one face."""
+    """The scene in frame number `frame`: lamp and ball have moved. It shines all around, or down with one face."""
     place, turn, base = PLACES[name], 2.0 * pi * frame / _PERIOD, scene_of(name)
     x, y, z = place.lamp
     aside = np.array([place.reach * cos(turn), 0.0, place.reach * sin(turn)])
