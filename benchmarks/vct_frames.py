@@ -28,6 +28,7 @@ from octolux.scene.scene import Scene
 from octolux.simulator.voxels.surfaces import around
 from octolux.techniques import technique_class
 from octolux.techniques.technique import Technique
+from octolux.techniques.voxel_cones.octree import LABEL
 from octolux.techniques.voxel_cones.structure import VoxelOctree
 
 from . import scenes_on_disk
@@ -59,8 +60,9 @@ _STAGES = {
     "filtering": COPIES,
 }  # fmt: skip
 _PASSES = {
-    ("injection", "inject"): thesis.TRAVERSE, ("filtering", "touch"): thesis.LIST,
-    ("filtering", "update_list"): thesis.LIST, ("filtering", "average_light"): thesis.CHILDREN,
+    ("injection", "inject"): thesis.TRAVERSE, ("filtering", "climb"): thesis.CHILDREN,
+    ("filtering", "average_light"): thesis.CHILDREN,
+    ("filtering", LABEL): thesis.LIST,  # how long the lists are
 }  # fmt: skip
 
 

@@ -70,6 +70,14 @@ class ComputePass(_Pass):
         """Dispatch at least `threads` threads (x[, y[, z]]) inside profiler stage `stage`."""
         self.run_many(stage, threads, [resources], shared)
 
+    def run_indirect(self, stage: Any, arguments: Any, **resources: Any) -> None:
+        """Dispatch as many workgroups (x, y, z) as the first three words of the buffer `arguments` say."""
+        encoder = stage.begin_compute_pass(self.name)
+        encoder.set_pipeline(self.pipeline)
+        self._bind(encoder, resources, None)
+        encoder.dispatch_workgroups_indirect(arguments, 0)
+        encoder.end()
+
     def run_many(
         self, stage: Any, threads: tuple[int, ...], resources: Sequence[dict[str, Any]], shared: Any = None
     ) -> None:

@@ -122,14 +122,14 @@ def test_a_light_that_moves_touches_little(device, kept):
     made.scene = replace(scene, lights=[spot(-0.45)])
     after = made.render(camera)
     octree = technique(made).octree
-    updated = int(read_buffer(device, octree.filtering.update_count, np.uint32)[0])
+    updated = int(read_buffer(device, octree.filtering.updates.count, np.uint32)[0])
     assert 0 < updated <= 0.4 * octree.bricks.bricks.used
     fresh = renderer(device, made.scene, depth=7, representation=kept).render(camera)
     assert np.array_equal(after.radiance, fresh.radiance)
     made.scene = scene
     assert np.array_equal(made.render(camera).radiance, before.radiance)
     made.render(camera)
-    assert read_buffer(device, octree.filtering.update_count, np.uint32)[0] == 0, "what stays is not touched"
+    assert read_buffer(device, octree.filtering.updates.count, np.uint32)[0] == 0, "what stays is not touched"
 
 
 @pytest.mark.parametrize(("bounces", "kept"), [(1, "axial"), (3, "axial"), (3, "lobes")])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from gpu_tools import random_directions, scene_of
+from gpu_tools import random_directions, read_buffer, scene_of
 from voxel_scenes import BYTE, grid_of, near_and_far, random_scene
 from voxel_tools import built, cells_of, read, sampled, shine
 
@@ -67,14 +67,16 @@ def test_only_what_is_touched_is_filtered(device):
     x, y, z = np.concatenate([2 * cells[touched] + [c & 1, c >> 1 & 1, c >> 2] for c in range(8)]).T
     light[z, y, x] = light[z, y, x][:, ::-1] * 0.3
     shine(octree, light, 10.0, touched)
-    updated = int(np.frombuffer(device.queue.read_buffer(octree.filtering.update_count), np.uint32)[0])
+    updated = int(np.frombuffer(device.queue.read_buffer(octree.filtering.updates.count), np.uint32)[0])
     points, towards = near_and_far(expected, rng)
     partly = [sampled(octree, points, level, towards)[0] for level in range(6)]
     shine(octree, light, unit=10.0)
     for level in range(6):
         np.testing.assert_array_equal(partly[level], sampled(octree, points, level, towards)[0])
     assert 0 < updated < 0.4 * octree.bricks.bricks.used
-    assert not np.frombuffer(device.queue.read_buffer(octree.bricks.touched.resource), np.uint32).any()
+    left = octree.filtering.updates.resources
+    assert not read_buffer(device, left["touched"], np.uint32).any()
+    assert not read_buffer(device, left["lists"], np.uint32).reshape(-1, 4)[:, [0, 3]].any()
 
 
 def test_no_jump_at_the_faces_of_bricks(device):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from gpu_tools import one_stage, random_directions
 from voxel_scenes import grid_of, near_and_far, random_scene
-from voxel_tools import built, cells_of, pack_bright, read, sampled
+from voxel_tools import built, cells_of, pack_bright, read, sampled, touch
 
 from octolux.gpu_scene.gpu_scene import GpuScene
 from octolux.raytracing.bvh import triangle_ids
@@ -50,7 +50,7 @@ def shine(octree: VoxelOctree, light: np.ndarray, moment: np.ndarray, touched: n
         if touched is None:
             octree.filtering.everything(stage, UNIT)
         else:
-            device.write(bricks.touched.resource, touched.astype(np.uint32), 4 * first_node)
+            touch(octree, np.flatnonzero(touched) + first_node)
             octree.filtering.touched(stage, UNIT)
 
 
@@ -104,7 +104,7 @@ def test_only_what_is_touched_is_filtered(device):
     x, y, z = np.concatenate([2 * cells[touched] + [c & 1, c >> 1 & 1, c >> 2] for c in range(8)]).T
     light[z, y, x], moment[z, y, x] = 0.3 * light[z, y, x], -0.1 * moment[z, y, x]
     shine(octree, light, moment, touched)
-    updated = int(np.frombuffer(device.queue.read_buffer(octree.filtering.update_count), np.uint32)[0])
+    updated = int(np.frombuffer(device.queue.read_buffer(octree.filtering.updates.count), np.uint32)[0])
     points, towards = near_and_far(read(octree), rng)
     partly = [sampled(octree, points, level, towards)[0] for level in range(6)]
     shine(octree, light, moment)

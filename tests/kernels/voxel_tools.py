@@ -136,8 +136,18 @@ def shine(octree: VoxelOctree, light: np.ndarray, unit: float, touched: np.ndarr
         if touched is None:
             octree.filtering.everything(stage, unit)
         else:
-            device.write(bricks.touched.resource, touched.astype(np.uint32), 4 * octree.octree.counts.levels[0][0])
+            touch(octree, np.flatnonzero(touched) + octree.octree.counts.levels[0][0])
             octree.filtering.touched(stage, unit)
+
+
+def touch(octree: VoxelOctree, nodes: np.ndarray) -> None:
+    """techniques/voxel_cones/touch.wgsl."""
+    to, device = octree.filtering.updates.resources, octree.device
+    marks = np.zeros(octree.octree.counts.nodes, np.uint32)
+    marks[nodes] = 1
+    device.write(to["touched"], marks)
+    device.write(to["node_list"], nodes.astype(np.uint32))
+    device.write(to["lists"], np.array([-(-8 * len(nodes) // 64), 1, 1, len(nodes)], np.uint32))
 
 
 def pack_bright(colors: np.ndarray) -> np.ndarray:

@@ -48,8 +48,8 @@ class Bricks:
     """facing: vec2u of the eight voxels that each node owns (facing.wgsl).  ways: u32 of each node, number of its first
     brick << 6 | which ways it has.  owners: u32 of each brick, its node << 3 | its way.  light: u32 of the eight voxels
     that each brick's node owns, what they send its way, radiance times share of section, as a share of a unit
-    (bright.wgsl).  touched: u32 of each node, not 0 where its light is to be made anew.  levels: first
-    and number of bricks of each level, from level 0.  representation: what of this is other for lobes.
+    (bright.wgsl).  levels: first and number of bricks of each level, from level 0.  representation: what of this is
+    other for lobes.
 
     static: where the octree is of what moves, the bricks of what is static, with the same depth and cube. From these
     come voxels in nodes that nothing lies in that moves, so that all nodes hold what an octree of everything would.
@@ -68,7 +68,6 @@ class Bricks:
         most = min(row**2 * (DEFAULT_LIMITS["max-texture-dimension-3d"] // EDGE), _BUFFER // (4 * OWN))
         own = 8 * OWN  # bytes of what a node's voxels face
         self.facing = Pool("nodes", lambda count: device.buffer(LABEL, size=own * count), limit=_BUFFER // own)
-        self.touched = Pool("nodes", words, limit=_BUFFER // 4)
         self.ways = Pool("nodes", words, limit=_BUFFER // 4)
         self.nodes = Pool("nodes", lambda count: record_texture(device, LABEL, NODE, count), limit=_BUFFER // 4)
         self.owners, self.scales = Pool("bricks", words, limit=most), Pool("bricks", words, limit=most)
@@ -114,7 +113,7 @@ class Bricks:
     def make_room(self, stage: Any) -> None:
         """For the nodes of the octree; nothing faces any way but what is static."""
         count = self.octree.counts.nodes
-        for pool in (self.facing, self.ways, self.nodes, self.touched):
+        for pool in (self.facing, self.ways, self.nodes):
             pool.need(count)
         stage.encoder.clear_buffer(self.facing.resource)
         if self.static:
@@ -153,7 +152,6 @@ class Bricks:
             pool.need(total)
         with profiler.stage("bricks") as stage:
             stage.encoder.clear_buffer(self.light.resource)
-            stage.encoder.clear_buffer(self.touched.resource)
             self._owners.run(stage, threads(count), parameters=given, masks=masks, values=sums.values,
                              totals=sums.totals, ways=self.ways.resource, owners=self.owners.resource)  # fmt: skip
 

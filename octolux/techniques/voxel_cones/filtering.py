@@ -6,15 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from ...gpu.bindings import Binding, atomic_words, storage, storage_rw, storage_texture, texture
+from ...gpu.bindings import Binding, storage, storage_rw, storage_texture, texture
 from ...gpu.device import Device
 from ...gpu.passes import ComputePass
 from ...gpu.records import records_out, words
 from .bricks import NODE, PARAMETERS_OF, Bricks
-from .octree import LABEL, directory_binding
-from .pools import OWN, Pool, parameters, threads
+from .octree import directory_binding
+from .pools import OWN, parameters, threads
+from .update_list import UpdateList
 
-_OF_LIGHT = ("average_light", "bricks", "surfaces")
+_OF_LIGHT = ("bricks", "surfaces")
 """Shaders that know how light is kept (representation.py)."""
 _DARK = float(np.finfo(np.float32).tiny)
 
@@ -22,37 +23,29 @@ _DARK = float(np.finfo(np.float32).tiny)
 class Filtering:
     """Brings `light` that voxels of level 0 send (bricks.py) to all levels and into the bricks that shaders read.
 
-    `everything` does so for all nodes, `touched` for those of level 0 that `bricks.touched` names, and what depends on
-    them: the same result where nothing else has changed, and neither has the unit. unit: of `light`, nits. An octree of
-    what moves is small: all of it is filtered, after that of what is static, whose light it borrows.
+    `everything` does so for all nodes, `touched` for those of level 0 that `updates` names, and what depends on them:
+    the same result where nothing else has changed, and neither has the unit. unit: of `light`, nits. An octree of what
+    moves is small: all of it is filtered, after that of what is static, whose light it borrows.
     """
 
     def __init__(self, device: Device, bricks: Bricks):
-        self.device, self.bricks = device, bricks
-        self._updates = Pool("bricks", lambda count: device.buffer(LABEL, size=4 * count), limit=bricks.light.limit)
-        self.update_count = device.buffer(LABEL, size=4)
-        """u32: how many bricks the last `touched` made anew."""
+        self.device, self.bricks, self.updates = device, bricks, UpdateList(device, bricks)
         self._listed = False
         nodes = [PARAMETERS_OF, storage("codes", "u32"), directory_binding()]
-        facing, light = storage("facing", "vec2u"), storage("light", "u32")
+        facing, light, light_out = storage("facing", "vec2u"), storage("light", "u32"), storage_rw("light", "u32")
         ways, owners, scales = (storage(name, "u32") for name in ("ways", "owners", "scales"))
-        touched, count = storage("touched", "u32"), storage("update_count", "u32")
         brick_out = [storage_rw("scales", "u32", "write"), storage_texture("bricks", "rgba8unorm", "3d")]
-        light_out = [*nodes, facing, ways, owners, storage_rw("light", "u32")]
         copied = [*nodes, storage("facing", "u32"), ways, owners, light, *brick_out]  # one word of the two
-        self._average = self._made("average_light", light_out, listed=False)
-        self._average_touched = self._made("average_light", [*light_out, touched], listed=True)
+        record = [PARAMETERS_OF, ways, scales, records_out("nodes", NODE)]
+        self._average = self._made("average_light", [*nodes, facing, ways, owners, light_out])
         self._copy = self._made("bricks", copied, listed=False)
-        self._copy_listed = self._made("bricks", [*copied, count, storage("update_list", "u32")], listed=True)
         self._surfaces = None
         if bricks.representation.directed:
             self._surfaces = self._made("surfaces", [*nodes, facing, owners, brick_out[1]])
         shown = [*nodes[1:], texture("shown_directory", "uint")] if bricks.static else []
         self._records = self._made(
-            "records", [PARAMETERS_OF, ways, scales, records_out("nodes", NODE), *shown], shown=bool(shown),
-            parts=("", "shown_"),
+            "records", [*record, *shown], shown=bool(shown), listed=False, parts=("", "shown_")
         )  # fmt: skip
-        self._borrow: ComputePass | None = None
         if bricks.static:
             theirs = [texture("static_directory", "uint"),
                       *(storage(f"static_{name}", "u32") for name in ("ways", "light"))]  # fmt: skip
@@ -60,15 +53,18 @@ class Filtering:
                 "borrow_light", [*nodes, owners, words("leaves"), storage_rw("light", "u32", "write"), *theirs],
                 parts=bricks.parts,
             )  # fmt: skip
-        self._touch = self._made("touch", [*nodes, storage_rw("touched", "u32")])
-        self._list = self._made(
-            "update_list",
-            [*nodes, touched, ways, atomic_words("update_count", "u32"), storage_rw("update_list", "u32", "write")],
-        )
+        else:
+            listed = [storage("lists", "u32"), storage("update_list", "u32")]
+            self._climb = self._made(
+                "climb", [*nodes, facing, ways, light_out, *UpdateList.touching, storage_rw("update_list", "u32")]
+            )
+            self._copy_listed = self._made("bricks", [*copied, *listed], listed=True)
+            self._record_listed = self._made("records", [*record, owners, *listed], listed=True, shown=False)
 
     def _made(self, file: str, bindings: list[Binding], **values: Any) -> ComputePass:
         reads = [binding.name for binding in bindings if binding.name == "ways"]
-        given = {**self.bricks.pass_values, "reads": reads, **values}
+        light = {"coarser_light": self.bricks.representation.file("coarser_light")}
+        given = {**self.bricks.pass_values, **light, "reads": reads, **values}
         folder = self.bricks.representation.folder if file in _OF_LIGHT else "techniques/voxel_cones"
         return ComputePass(self.device, file, f"{folder}/{file}.wgsl", bindings, **given)
 
@@ -82,54 +78,50 @@ class Filtering:
 
     def everything(self, stage: Any, unit: float = 1.0) -> None:
         bricks, self._listed = self.bricks, False
-        if self._borrow:
-            octree, count = bricks.octree, bricks.bricks.used
-            self._borrow.run(
-                stage, threads(OWN * count), parameters=parameters(self.device, count, octree.counts.levels[0][0]),
-                owners=bricks.owners.resource, leaves=octree.leaves.resource, light=bricks.light.resource,
-                **bricks.of_nodes(), **bricks.of_static("ways", "light"),
-            )  # fmt: skip
+        if bricks.static:
+            self._borrow_light(stage)
         for first, count in bricks.levels[1:]:
-            self._average.run(stage, threads(OWN * count), parameters=parameters(self.device, count, first),
-                              **self._of_light())  # fmt: skip
+            self._average.run(
+                stage, threads(OWN * count), parameters=parameters(self.device, count, first),
+                owners=bricks.owners.resource, **self._of_light(),
+            )  # fmt: skip
         self._copy.run(stage, threads(bricks.bricks.used), parameters=self._given(unit), **self._of_bricks())
-        self._record(stage)
+        count = bricks.octree.counts.nodes
+        shown = {**bricks.of_nodes(), "shown_directory": bricks.octree.shown} if bricks.static else {}
+        self._records.run(stage, threads(count), parameters=parameters(self.device, count), **self._of_records(),
+                          **shown)  # fmt: skip
+        self.updates.forget(stage)
 
     def touched(self, stage: Any, unit: float = 1.0) -> None:
-        """What is touched is then forgotten."""
-        device, bricks, counts = self.device, self.bricks, self.bricks.octree.counts
-        marks, self._listed = {"touched": bricks.touched.resource}, True
-        self._updates.need(bricks.bricks.used)
-        for (node, nodes), (first, count) in zip(counts.levels[1:], bricks.levels[1:], strict=True):
-            self._touch.run(stage, threads(nodes), parameters=parameters(device, nodes, node), **bricks.of_nodes(),
-                            **marks)  # fmt: skip
-            self._average_touched.run(stage, threads(OWN * count), parameters=parameters(device, count, first), **marks,
-                                      **self._of_light())  # fmt: skip
-        stage.encoder.clear_buffer(self.update_count)
-        listed = {"update_count": self.update_count, "update_list": self._updates.resource}
-        self._list.run(
-            stage, threads(counts.nodes), parameters=parameters(device, counts.nodes, third=max(counts.nodes, 1) - 1),
-            ways=bricks.ways.resource, **bricks.of_nodes(), **marks, **listed,
-        )  # fmt: skip
-        self._copy_listed.run(stage, threads(bricks.bricks.used), parameters=self._given(unit), **self._of_bricks(),
-                              **listed)  # fmt: skip
-        self._record(stage)
-        stage.encoder.clear_buffer(bricks.touched.resource)
+        """What is touched is then forgotten. Not for an octree of what moves."""
+        bricks, updates, self._listed = self.bricks, self.updates, True
+        for level, given in enumerate(updates.levels):
+            self._climb.run_indirect(
+                stage, updates.arguments(stage, level), parameters=given, update_list=updates.listed["update_list"],
+                **self._of_light(), **updates.resources,
+            )  # fmt: skip
+        arguments, owners = updates.arguments(stage, bricks.octree.depth), bricks.owners.resource
+        given = self._given(unit)
+        self._copy_listed.run_indirect(stage, arguments, parameters=given, **self._of_bricks(), **updates.listed)
+        self._record_listed.run_indirect(stage, arguments, parameters=given, owners=owners, **self._of_records(),
+                                         **updates.listed)  # fmt: skip
+        updates.note(stage)
+        updates.forget(stage)
 
     def updated_nodes(self) -> np.ndarray:
         """Numbers of the nodes with bricks that were made anew the last time, for debug views."""
-        read, bricks = self.device.queue.read_buffer, self.bricks
-        made = np.arange(bricks.bricks.used, dtype=np.uint32)
-        if self._listed:
-            count = int(np.frombuffer(read(self.update_count), np.uint32)[0])
-            made = np.frombuffer(read(self._updates.resource), np.uint32)[:count]
-        return np.unique(np.frombuffer(read(bricks.owners.resource), np.uint32)[made] >> 3)
+        bricks = self.bricks
+        made = self.updates.read() if self._listed else np.arange(bricks.bricks.used, dtype=np.uint32)
+        return np.unique(np.frombuffer(self.device.queue.read_buffer(bricks.owners.resource), np.uint32)[made] >> 3)
 
-    def _record(self, stage: Any) -> None:
-        bricks, count = self.bricks, self.bricks.octree.counts.nodes
-        shown = {**bricks.of_nodes(), "shown_directory": bricks.octree.shown} if bricks.static else {}
-        self._records.run(stage, threads(count), parameters=parameters(self.device, count), ways=bricks.ways.resource,
-                          scales=bricks.scales.resource, nodes=bricks.nodes.resource, **shown)  # fmt: skip
+    def _borrow_light(self, stage: Any) -> None:
+        bricks, count = self.bricks, self.bricks.bricks.used
+        first_leaf = bricks.octree.counts.levels[0][0]
+        self._borrow.run(
+            stage, threads(OWN * count), parameters=parameters(self.device, count, first_leaf),
+            owners=bricks.owners.resource, leaves=bricks.octree.leaves.resource, light=bricks.light.resource,
+            **bricks.of_nodes(), **bricks.of_static("ways", "light"),
+        )  # fmt: skip
 
     def _given(self, unit: float) -> Any:
         word = int(np.float32(max(unit, _DARK)).view(np.uint32))
@@ -139,8 +131,16 @@ class Filtering:
         bricks = self.bricks
         return {
             **bricks.of_nodes(), "facing": bricks.facing.resource, "ways": bricks.ways.resource,
-            "owners": bricks.owners.resource, "light": bricks.light.resource,
+            "light": bricks.light.resource,
         }  # fmt: skip
 
     def _of_bricks(self) -> dict[str, Any]:
-        return {**self._of_light(), "scales": self.bricks.scales.resource, "bricks": self.bricks.bricks.resource}
+        bricks = self.bricks
+        return {
+            **self._of_light(), "owners": bricks.owners.resource, "scales": bricks.scales.resource,
+            "bricks": bricks.bricks.resource,
+        }  # fmt: skip
+
+    def _of_records(self) -> dict[str, Any]:
+        bricks = self.bricks
+        return {"ways": bricks.ways.resource, "scales": bricks.scales.resource, "nodes": bricks.nodes.resource}

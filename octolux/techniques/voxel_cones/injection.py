@@ -18,6 +18,7 @@ from ...gpu.passes import ComputePass
 from ...gpu.records import records
 from .pools import OWN, ROW, WORKGROUP, Pool, threads
 from .structure import VoxelOctree
+from .update_list import UpdateList
 from .voxeliser import CUBE
 
 # Of level 0 the first brick and how many. group: of lights, its number; last: 1 for the last.  to_light: from its sums
@@ -66,7 +67,7 @@ class Injection:
         self._collect = ComputePass(
             device, "collect", kept.file("collect"),
             [group, storage_rw("sums", "u32"), storage_rw("fresh", "u32"), storage("owners", "u32"),
-             storage_rw("light", "u32"), storage_rw("touched", "u32", "write")],
+             storage_rw("light", "u32"), *UpdateList.touching],
             structs=[INJECTED], **fixed,
         )  # fmt: skip
 
@@ -111,7 +112,8 @@ class Injection:
             )  # fmt: skip
         self._collect.run(
             stage, threads(OWN * values["count"]), injected=injected, sums=self._sums.resource,
-            fresh=self.fresh.resource, **self._of_bricks("owners", "light", "touched"),
+            fresh=self.fresh.resource, **self._of_bricks("owners", "light"),
+            **self.octree.filtering.updates.resources,
         )  # fmt: skip
 
     def _of_bricks(self, *names: str) -> dict[str, Any]:

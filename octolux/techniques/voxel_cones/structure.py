@@ -107,6 +107,7 @@ class VoxelOctree:
         with profiler.stage("averaging") as stage:
             self.bricks.average(stage)
         self.bricks.number(profiler)
+        self.filtering.updates.make_room()
         with profiler.stage("edge copy") as stage:
             self.filtering.surfaces(stage)
             self.filtering.everything(stage)

@@ -90,7 +90,6 @@ class VoxelCones(Technique):
         with frame.profiler.stage("filtering") as stage:
             if everything:
                 static.filtering.everything(stage, unit)
-                stage.encoder.clear_buffer(static.bricks.touched.resource)
             else:
                 static.filtering.touched(stage, unit)
             for octree in moving:

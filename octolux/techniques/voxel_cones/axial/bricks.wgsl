@@ -9,7 +9,7 @@
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let thread = id.x + {{ row }}u * id.y;
     {% if listed %}
-    if thread >= update_count[0] { return; }
+    if thread >= lists[{{ 4 * depth + 3 }}] { return; }
     let index = update_list[thread];
     {% else %}
     if thread >= parameters.count { return; }

@@ -9,7 +9,7 @@
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let first = 3u * (id.x + {{ row }}u * id.y); // a node's bricks stand together, in the update list too
     {% if listed %}
-    if first >= update_count[0] { return; }
+    if first >= lists[{{ 4 * depth + 3 }}] { return; }
     let index = update_list[first];
     {% else %}
     if first >= parameters.count { return; }

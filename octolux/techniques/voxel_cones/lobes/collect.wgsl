@@ -1,6 +1,7 @@
 // From the fixed-point sums of a group of lights to light and its moment, as axial/collect.wgsl. A thread for each of the
 // eight voxels of a brick's node; in the first of a node's bricks are sums of light, in the second those of its moment.
 {{ use("techniques/voxel_cones/bright.wgsl") }}
+{{ use("techniques/voxel_cones/touch.wgsl") }}
 {{ use("techniques/voxel_cones/lobes/moment.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
@@ -23,6 +24,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     fresh[own] = packed;
     if injected.last == 1u && light[place] != packed {
         light[place] = packed;
-        touched[owner >> 3u] = 1u;
+        touch(owner >> 3u, 0u, 0u);
     }
 }
