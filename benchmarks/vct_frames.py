@@ -182,14 +182,14 @@ class Built:
     other_megabytes: float
 
 
-def built(name: str, depths: Sequence[int], count: int) -> list[Built]:
-    """Octrees of those depths, built in turns. Raises NeedsData."""
+def built(name: str, kinds: Sequence[tuple[str, int]], count: int) -> list[Built]:
+    """Octrees of everything, by representation and depth, each built `count` times. Raises NeedsData."""
     found = []
     scene = GpuScene(device())
     scene.sync(lit(name, 0))
-    for depth in depths:
+    for representation, depth in kinds:
         before = device().memory.total
-        octree, profiler = VoxelOctree(device(), depth), PartProfiler(device(), part_of)
+        octree, profiler = VoxelOctree(device(), depth, 0.0, representation), PartProfiler(device(), part_of)
         for number in range(-1, count):  # the first makes room
             if number == 0:
                 profiler.clear()

@@ -18,7 +18,7 @@ from octolux.techniques.settings import suggest
 from . import vct_thesis as thesis
 from . import written_tables
 from .registry import figure
-from .vct_frames import COPIES, OCTREE, PLACES, Built, Case, built, frames_of
+from .vct_frames import COPIES, DEPTH, OCTREE, PLACES, Built, Case, built, frames_of
 
 FRAMES = 3
 DEPTHS, MEMORY_DEPTHS = (6, 7, 8), (7, 8, 9)
@@ -37,8 +37,8 @@ Measured = dict[str, dict[str, Row]]
 
 
 @cache
-def _built(scene: str, depths: tuple[int, ...], count: int) -> list[Built]:
-    return built(scene, depths, count)
+def _built(scene: str, count: int) -> list[Built]:
+    return built(scene, [(thesis.AXIAL, depth) for depth in DEPTHS], count)
 
 
 @cache
@@ -72,7 +72,7 @@ def _steps(frame: Row, static: Built) -> Row:
 
 def depth(scene: str, count: int) -> dict[str, Row]:
     """Table 6.9."""
-    pairs = zip(DEPTHS, _by_depth(scene, count), _built(scene, DEPTHS, count), strict=True)
+    pairs = zip(DEPTHS, _by_depth(scene, count), _built(scene, count), strict=True)
     return {str(levels): _steps(frame, octree) for levels, frame, octree in pairs}
 
 
@@ -81,11 +81,21 @@ def steps(scene: str, count: int) -> dict[str, Row]:
     return {"8": depth(scene, count)["8"]}
 
 
+def representations(scene: str, count: int) -> dict[str, Row]:
+    """Table 6.5."""
+    kinds = (thesis.AXIAL, thesis.LOBES)
+    frames = frames_of(scene, [Case(f"representation={kind}") for kind in kinds], count)
+    octrees = built(scene, [(kind, DEPTH) for kind in kinds], count)
+    return {kind: _steps(*pair) for kind, *pair in zip(kinds, frames, octrees, strict=True)}
+
+
 def memory(scene: str, count: int) -> dict[str, Row]:
     """Table 6.6: of the texture that holds the bricks, and all else of the octree."""
+    kinds = [(kind, depth) for kind in (thesis.AXIAL, thesis.LOBES) for depth in MEMORY_DEPTHS]
+    octrees = zip(kinds, built(scene, kinds, 1), strict=True)
     return {
-        str(levels): {"MB": one.megabytes, HELD: one.other_megabytes, BRICKS: one.bricks}
-        for levels, one in zip(MEMORY_DEPTHS, _built(scene, MEMORY_DEPTHS, 1), strict=True)
+        f"{kind} {depth}": {"MB": one.megabytes, HELD: one.other_megabytes, BRICKS: one.bricks}
+        for (kind, depth), one in octrees
     }
 
 
@@ -111,7 +121,7 @@ def cones(scene: str, count: int) -> dict[str, Row]:
 
 def static(scene: str, count: int) -> dict[str, Row]:
     """Table 6.11."""
-    octrees = zip(DEPTHS, _built(scene, DEPTHS, count), strict=True)
+    octrees = zip(DEPTHS, _built(scene, count), strict=True)
     return {str(levels): {**_octree(one.parts), thesis.NODES: one.nodes} for levels, one in octrees}
 
 
@@ -133,7 +143,8 @@ def _columns(keys: Sequence[str], frames: Sequence[Row], columns: Sequence[str])
 Measure = Callable[[str, int], dict[str, Row]]
 TABLES: dict[str, tuple[str, str, Measure, thesis.Rows]] = {
     "6.4": ("Steps of a frame, and their share of it", "depth", steps, thesis.BY_DEPTH),
-    "6.6": ("Memory of bricks", "depth", memory, thesis.MEMORY),
+    "6.5": ("Steps of a frame by what voxels keep of light", "light", representations, thesis.BY_REPRESENTATION),
+    "6.6": ("Memory of bricks", "light, depth", memory, thesis.MEMORY),
     "6.7": ("Cones by the picture's pixels", "pixels", resolution, thesis.BY_SIZE),
     "6.8": ("One shadow map by its texels, all injected; six in VCT", "texels", shadow_maps, thesis.BY_SHADOWS),
     "6.9": ("Steps of a frame by depth", "depth", depth, thesis.BY_DEPTH),

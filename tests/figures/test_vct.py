@@ -69,7 +69,7 @@ def test_every_part_of_a_frame_is_timed(frames):
 
 
 def test_every_part_of_a_build_is_timed():
-    small, large = built("cornell-box", (6, 7), 1)
+    small, large = built("cornell-box", [("axial", 6), ("axial", 7)], 1)
     assert set(small.parts) == {"Frame", *(OCTREE + part for part in (*vct_tables.BUILDING, *vct_tables.FILLING))}
     assert 3.0 < large.nodes / small.nodes < 5.0  # surfaces: four times as many on each level
     assert 2.0 <= large.megabytes / small.megabytes <= 8.0  # in layers, whose number is a power of two
@@ -132,3 +132,14 @@ def test_tessellated_surfaces_are_the_same():
     assert (np.sum(normals * areas[1], axis=1) > 0.0).all()
     largest = [np.linalg.norm(area, axis=1).max() for area in areas]
     assert largest[1] == pytest.approx(largest[0] / 100, rel=1e-4)
+
+
+def test_memory_of_both_representations(monkeypatch):
+    """Three bricks of lobes for each node. All rows are those that the thesis has."""
+    wanted = [f"{kind} {depth}" for kind in (thesis.AXIAL, thesis.LOBES) for depth in vct_tables.MEMORY_DEPTHS]
+    assert wanted == list(thesis.MEMORY["Cornell box"])
+    monkeypatch.setattr(vct_tables, "MEMORY_DEPTHS", (6,))
+    found = vct_tables.memory("cornell-box", 1)
+    nodes = vct_tables.built("cornell-box", [(thesis.LOBES, 6)], 1)[0].nodes
+    assert found["lobes 6"][vct_tables.BRICKS] == 3 * nodes
+    assert set(found) == {"axial 6", "lobes 6"}
