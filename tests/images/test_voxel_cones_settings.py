@@ -15,6 +15,7 @@ from octolux.scene.builtin.shapes import box, quad
 from octolux.scene.cameras import Camera
 from octolux.scene.environment import Environment
 from octolux.scene.lights import DirectionalLight, PointLight
+from octolux.scene.load import load_scene
 from octolux.scene.materials import Material
 from octolux.scene.scene import Scene
 
@@ -92,3 +93,38 @@ def test_lamps_shine_beside_a_sky_seen_by_cones(device):
     alone = under_sky(device, replace(scene, environment=Environment()), from_above(2.0, 1.0)).layers["direct"]
     assert alone.any()
     np.testing.assert_array_equal(lit, alone)
+
+
+def test_air_takes_from_light(device):
+    """Of a ceiling that is lit from below, 1 m over a floor and as wide as 2 m, each part is 1 to sqrt(3) m away from
+    the middle; what bounces once more has the way twice again. Surfaces lit directly are as before."""
+    ceiling = quad([(-1, 1, -1), (1, 1, -1), (1, 1, 1), (-1, 1, 1)])
+    middle = quad([(-0.1, 0, 0.1), (0.1, 0, 0.1), (0.1, 0, -0.1), (-0.1, 0, -0.1)])
+    sun = DirectionalLight(direction=(0.0, 1.0, 0.0), illuminance=(4.0, 4.0, 4.0))
+    scene, camera, taken = scene_of([ceiling, middle], [PAINT], lights=[sun]), from_above(0.5, 0.1), 0.8
+    clear, hazy = (renderer(device, scene, attenuation=a).render(camera).layers for a in (0.0, taken))
+    ratio = hazy["irradiance"] / clear["irradiance"]
+    assert np.exp(-np.sqrt(3.0) * taken) < ratio.min() and ratio.max() < np.exp(-0.97 * taken)  # a voxel is 1/30 m
+    np.testing.assert_array_equal(hazy["direct"], clear["direct"])
+    box = load_scene("cornell-box")
+    once, more = (renderer(device, box, attenuation=0.3, bounces=n).render().layers["indirect"].mean() for n in (1, 4))
+    free, all_free = (renderer(device, box, bounces=n).render().layers["indirect"].mean() for n in (1, 4))
+    assert once < 0.9 * free and (more - once) < 0.8 * (all_free - free)
+
+
+def test_ambient_visibility_ends_at_a_distance(device):
+    """A wall 0.9 m away, 2 m wide and high, hides 1 / pi (atan(w / d) - d / s atan(w / s)) of the floor's sky, where s
+    is from its upper edge to the floor's point, d from its lower one, and w half its width (form factor of an upright
+    rectangle): within 2 m most of that, within 0.3 m nothing. Light comes from as far either way."""
+    wall = quad([(-1, 0, -0.9), (1, 0, -0.9), (1, 2, -0.9), (-1, 2, -0.9)])
+    scene, camera = scene_of([FLOOR, wall], [PAINT], lights=[SUN]), from_above(3.0, 0.2)
+    seen = {}
+    for distance in (0.0, 0.3, 2.0):
+        made = renderer(device, scene, ambient_distance=distance)
+        light = made.render(camera).layers["irradiance"]
+        seen[distance] = made.technique.debug_views()["visibility"].mean()
+    np.testing.assert_array_equal(light, renderer(device, scene).render(camera).layers["irradiance"])
+    s = np.hypot(0.9, 2.0)
+    hidden = (np.arctan(1.0 / 0.9) - 0.9 / s * np.arctan(1.0 / s)) / pi
+    assert abs(1.0 - hidden - seen[0.0]) < 0.05 and seen[0.3] == 1.0
+    assert seen[0.0] <= seen[2.0] < 1.0 - 0.7 * hidden

@@ -103,13 +103,33 @@ def test_diffuse_as_the_simulator(device, count, per_level, width, cover):
     assert np.array_equal(found[nothing], np.tile([0.0, 0.0, 0.0, 1.0], (nothing.sum(), 1)))
 
 
-def test_specular_as_the_simulator(device):
-    made, at = SpecularCones(device, voxels()), start(device)
+def test_air_as_the_simulator(device):
+    """Light that the air takes from what cones find, and ambient visibility within a reach."""
+    edge, (absorbed, reach) = GRID.cell_size, (0.2, 5.0)
+    found = traced(device, DiffuseCones(device, voxels(), attenuation=absorbed / edge, reach=reach * edge))
+    clear, at = traced(device, DiffuseCones(device, voxels())), start(device)
+    rows, columns = np.nonzero(at.inside)
+    phase = columns % 4 + 4 * (rows % 4)
+    for i in range(0, PHASES, 5):
+        r = (rows[phase == i], columns[phase == i])
+        light, visible = gather(
+            scene(), DEPTH, at.points[r], at.s.normals[r], at.s.geometric[r], phases=[i], absorbed=absorbed,
+            air_reach=reach,
+        )  # fmt: skip
+        assert np.abs(found[r][:, :3] - light).max() <= 4.0 * WEIGHT * pi * BRIGHTEST
+        assert np.abs(found[r][:, 3] - visible).max() <= 4.0 * WEIGHT
+    assert found[at.inside][:, :3].mean() < 0.8 * clear[at.inside][:, :3].mean()
+    assert found[at.inside][:, 3].mean() > clear[at.inside][:, 3].mean() + 0.05
+
+
+@pytest.mark.parametrize("absorbed", [0.0, 0.15])
+def test_specular_as_the_simulator(device, absorbed):
+    made, at = SpecularCones(device, voxels(), attenuation=absorbed / GRID.cell_size), start(device)
     found = reflected(device, made)[at.inside]
     s = at.s
     _, cone = specular_light(
         scene(), DEPTH, at.points[at.inside], s.normals[at.inside], s.geometric[at.inside], s.to_eye[at.inside],
-        s.material.roughness[at.inside],
+        s.material.roughness[at.inside], absorbed=absorbed,
     )  # fmt: skip
     albedo = lobe_albedo(s)[at.inside]
     error = np.abs(found - albedo * cone.radiance) / albedo.max()
@@ -193,7 +213,8 @@ def test_the_same_bits_again(device):
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"count": 3}, {"resolution": 3}, {"width": 0.0}, {"per_level": 5}, {"cover": "walls"}, {"offset": -1.0}]
+    "wrong", [{"count": 3}, {"resolution": 3}, {"width": 0.0}, {"per_level": 5}, {"cover": "walls"}, {"offset": -1.0},
+              {"attenuation": -1.0}, {"reach": -1.0}]
 )
 def test_wrong_values(device, wrong):
     with pytest.raises(OctoluxError, match=r"not"):

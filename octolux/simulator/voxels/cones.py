@@ -18,6 +18,9 @@ Distance from the own surface. What a thin surface faces on its other side would
 that leaves it: at every level grazing cones are lower above it than voxels are wide. Samples are therefore lifted to
 CLEAR voxels of their level above the plane that their cone starts on, where they read nothing of it.
 
+Air. Where it takes a share `absorbed` of light for each voxel of its way, exp(-absorbed t) of what a sample at t finds
+arrives (Beer and Lambert). It is not what hides: opacity stays.
+
 A sample stands for the way to the next one, as long as its distance. So where a wall falls between two samples, of
 which either sees it through a half of its tent, they cover it together.
 """
@@ -26,8 +29,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import asin, ceil, pi, sqrt, tan
-from typing import NamedTuple
+from math import asin, ceil, inf, pi, sqrt, tan
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -115,21 +118,24 @@ def diffuse_samples(count: int, depth: int, per_level: int = 2, width: float = 1
 
 @dataclass(frozen=True)
 class Traced:
-    """radiance: (m, k), of what rays have met, for what it covers of them.  left: (m,), the share that met nothing."""
+    """radiance: (m, k), of what rays have met, for what it covers of them.  left: (m,), the share that met nothing;
+    open: nothing within a reach."""
 
     radiance: np.ndarray
     left: np.ndarray
+    open: np.ndarray
 
 
-def _covered(traced: Traced, found: tuple[np.ndarray, np.ndarray], step, cover: str) -> Traced:
-    """step: in voxels of the level that was read."""
+def _covered(traced: Traced, found: tuple[np.ndarray, np.ndarray], step, cover: str, within: Any = 1.0) -> Traced:
+    """step: in voxels of the level that was read.  within: of the step, what lies within the reach."""
     radiance, opacity = found
     if cover == "surfaces":
         share = np.minimum(traced.left, opacity * step)
     else:
         share = traced.left * (1.0 - (1.0 - np.minimum(opacity, 1.0)) ** step)
     scale = np.where(opacity > 0.0, share / np.where(opacity > 0.0, opacity, 1.0), 0.0)
-    return Traced(traced.radiance + scale[:, None] * radiance, traced.left - share)
+    return Traced(traced.radiance + scale[:, None] * radiance, traced.left - share,
+                  traced.open - within * share)  # fmt: skip
 
 
 class Plane(NamedTuple):
@@ -149,10 +155,11 @@ def _lifted(points, plane: Plane | None, travelled, towards, size, n: int) -> np
 
 
 def trace(
-    read: Read, start, towards, samples: Sequence[Sample], n: int, cover: str = "surfaces", plane: Plane | None = None
+    read: Read, start, towards, samples: Sequence[Sample], n: int, cover: str = "surfaces", plane: Plane | None = None,
+    absorbed: float = 0.0, air_reach: float = inf,
 ) -> Traced:  # fmt: skip
     """Wide cones from points `start` (m, 3), voxels, along unit `towards` (m, 3), through n^3 voxels. plane: that they
-    start on, if any.
+    start on, if any.  absorbed: of light, for each voxel of its way.  air_reach: voxels, of `open`.
 
     The last sample of a cone is where it leaves them, for the way from the one before, of whose level it is.
     """
@@ -162,10 +169,12 @@ def trace(
         travelled = np.minimum(sample.distance, reach)
         level = np.where(leaves, float(before.level), float(sample.level))
         points = _along(start, towards, travelled, n)
-        found = read(_lifted(points, plane, travelled, towards, 2.0**level, n), level, towards)
-        traced = traced or Traced(np.zeros_like(found[0]), np.ones(len(start)))
+        light, opacity = read(_lifted(points, plane, travelled, towards, 2.0**level, n), level, towards)
+        found = light * np.exp(-absorbed * travelled)[:, None], opacity
+        traced = traced or Traced(np.zeros_like(light), np.ones(len(start)), np.ones(len(start)))
         step = np.where(leaves, np.maximum(reach - before.distance, 0.0) / 2.0**before.level, sample.step)
-        traced, before = _covered(traced, found, step, cover), sample
+        within = np.clip((air_reach - travelled) / np.maximum(step * 2.0**level, 1e-6), 0.0, 1.0)
+        traced, before = _covered(traced, found, step, cover, within), sample
     assert traced
     return traced
 
@@ -199,12 +208,14 @@ def above(towards, geometric) -> np.ndarray:
 def gather(
     read: Read, depth: int, points, normals, geometric=None, *, count: int = 8, phases: Sequence[int] = range(PHASES),
     per_level: int = 2, width: float = 1.0, offset: float = 1.0, cover: str = "surfaces", sky: Callable | None = None,
+    absorbed: float = 0.0, air_reach: float = inf,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Irradiance (m, k), radiance's unit times sr, and ambient visibility (m,) at points (m, 3) in voxels.
 
     normals, geometric: unit (m, 3), of the shading and, where they differ, of the surface.  phases: whose mean is
     taken.  per_level, width: as in `first_level_samples`, `near_samples`.  offset: voxels along the surface's normal
-    from which cones start.  sky: radiance (m, k) of unit directions (m, 3), of what is left of cones.
+    from which cones start.  sky: radiance (m, k) of unit directions (m, 3), of what is left of cones.  absorbed,
+    air_reach: as in `trace`; what meets nothing within the latter is visible.
     """
     normals = np.asarray(normals, dtype=np.float64)
     geometric = normals if geometric is None else np.asarray(geometric, dtype=np.float64)
@@ -214,15 +225,16 @@ def gather(
     irradiance: np.ndarray = np.zeros(1)
     for direction in np.concatenate([directions(count, phase) for phase in phases]):
         towards = above(frames @ direction, geometric)
-        traced = trace(read, start, towards, samples, 2**depth, cover, Plane(geometric, offset))
-        radiance = traced.radiance + (traced.left[:, None] * sky(towards) if sky else 0.0)
-        irradiance, visible = irradiance + pi * weight * radiance, visible + weight * traced.left
+        traced = trace(read, start, towards, samples, 2**depth, cover, Plane(geometric, offset), absorbed, air_reach)
+        through = traced.left * np.exp(-absorbed * way_out(start, towards, 2**depth))
+        radiance = traced.radiance + (through[:, None] * sky(towards) if sky else 0.0)
+        irradiance, visible = irradiance + pi * weight * radiance, visible + weight * traced.open
     return irradiance, visible
 
 
 def specular_light(
     read: Read, depth: int, points, normals, geometric, to_eye, roughness, *, offset: float = 1.0, step: float = 1.0,
-    cover: str = "surfaces",
+    cover: str = "surfaces", absorbed: float = 0.0,
 ) -> tuple[np.ndarray, Traced]:  # fmt: skip
     """Directions (m, 3) and what a cone along each brings, before the BRDF's albedo, to points (m, 3) in voxels.
 
@@ -240,8 +252,9 @@ def specular_light(
         size = 2.0**level
         at = np.minimum(travelled + 0.5 * step * size, reach)
         points = _along(start, towards, at, 2**depth)
-        found = read(_lifted(points, plane, at, towards, size, 2**depth), level, towards)
-        traced = traced or Traced(np.zeros_like(found[0]), np.ones(len(start)))
+        light, opacity = read(_lifted(points, plane, at, towards, size, 2**depth), level, towards)
+        found = light * np.exp(-absorbed * at)[:, None], opacity
+        traced = traced or Traced(np.zeros_like(light), np.ones(len(start)), np.ones(len(start)))
         going = (travelled < reach) & (traced.left > LEFT)
         traced = _covered(traced, found, np.where(going, step, 0.0), cover)
         travelled = travelled + step * size

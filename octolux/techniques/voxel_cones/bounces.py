@@ -10,7 +10,7 @@ from ...gpu.layout import Struct
 from ...gpu.limits import DEFAULT_LIMITS
 from ...gpu.passes import ComputePass
 from ...gpu.records import records, words
-from .gathering import Voxels, cone_values, wide_cones
+from .gathering import AIR, Voxels, cone_values, wide_cones
 from .octree import directory_binding
 from .pools import OWN, ROW, WORKGROUP, Pool, threads
 from .reading import Reading
@@ -30,10 +30,13 @@ class Bounces:
     voxel receives a mean of radiances that others send, so no bounce is brighter than its light.
 
     octree: one of those that `reading` reads. Of two each has Bounces, which take turns: all gather before any
-    reflects, and that of what is static is filtered before the other borrows from it.
+    reflects, and that of what is static is filtered before the other borrows from it.  attenuation: 1/m, of light on
+    its way through the cube.
     """
 
-    def __init__(self, device: Device, octree: VoxelOctree, reading: Reading, level: int):
+    def __init__(
+        self, device: Device, octree: VoxelOctree, reading: Reading, level: int, attenuation: float = 0.0
+    ):  # fmt: skip
         self.device, self.octree, self._reading, self._level = device, octree, reading, level
         kept = octree.bricks.representation
         size = 4 * OWN * kept.sides  # bytes of a brick
@@ -41,11 +44,14 @@ class Bounces:
         self._received = Pool("bricks", lambda n: device.buffer("voxel light", size=size * n), limit=most)
         voxels = Voxels(octree.depth, reading.file, reading.bindings, reading.structs, reading.values)
         own = [uniform("bounce", BOUNCE), storage("owners", "u32"), storage("codes", "u32"), storage("facing", "vec2u")]
+        self._attenuation = attenuation
+        air = [uniform("air", AIR)] if attenuation else []
         self._receive = ComputePass(
             device, "receive", "techniques/voxel_cones/receive.wgsl",
-            [*own, *reading.bindings, storage_rw("received", "u32", "write")], structs=[BOUNCE, *reading.structs],
-            workgroup=WORKGROUP, row=ROW, level=level, sides=kept.sides, **wide_cones(CONES, PER_LEVEL, WIDTH),
-            **cone_values(voxels, 1.0, "surfaces"),
+            [*own, *air, *reading.bindings, storage_rw("received", "u32", "write")],
+            structs=[BOUNCE, *([AIR] if air else []), *reading.structs], workgroup=WORKGROUP, row=ROW, level=level,
+            sides=kept.sides, **wide_cones(CONES, PER_LEVEL, WIDTH),
+            **cone_values(voxels, 1.0, "surfaces", attenuation > 0.0),
         )  # fmt: skip
         self._reflect = ComputePass(
             device, "reflect", kept.file("reflect"),
@@ -59,8 +65,10 @@ class Bounces:
         coarse = self.octree.bricks.levels[self._level][1]
         self._received.need(coarse)
         sides = self.octree.bricks.representation.sides
+        packed = AIR.pack(absorbed=self._attenuation * self.octree.grid.cell_size, reach=0.0)
+        air = {"air": self.device.uniform("voxel light", packed)} if self._attenuation else {}
         self._receive.run(stage, threads(OWN * sides * coarse), **self._own(unit), received=self._received.resource,
-                          **self._reading.resources)  # fmt: skip
+                          **air, **self._reading.resources)  # fmt: skip
 
     def reflect(self, stage: Any, injected: Any, unit: float) -> None:
         """What was injected (buffer `injected`, of the bricks of level 0), and what is reflected, filtered."""

@@ -25,6 +25,11 @@ fn covered(so_far: Traced, found: vec4f, step: f32) -> Traced {
     return Traced(so_far.radiance + scale * found.rgb, so_far.left - share);
 }
 
+{% if absorbs %}
+// What the air leaves of light on a way of this many voxels of level 0 (Beer and Lambert).
+fn through_air(travelled: f32) -> f32 { return exp(-air.absorbed * travelled); }
+{% endif %}
+
 // Voxels from `start` to where a way leaves the cube; 0 outside.
 fn way_out(start: vec3f, towards: vec3f) -> f32 {
     let steep = select(vec3f(1e-12), towards, abs(towards) > vec3f(1e-12));

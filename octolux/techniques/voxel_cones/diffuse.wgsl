@@ -26,9 +26,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let towards = above(from_basis(basis, cone_axis(i, shift)), seen.geometric);
         let traced = wide_cone(seen.start, towards, seen.geometric, seen.there);
         irradiance += traced.radiance;
-        visible += traced.left;
+        visible += {{ "open" if limited else "traced.left" }};
         {% if sky %}
-        irradiance += traced.left * environment_lobe(towards, {{ sky_alpha }});
+        irradiance += {% if absorbs %}through_air(way_out(seen.start, towards)) * {% endif %}traced.left * environment_lobe(towards, {{ sky_alpha }});
         {% endif %}
     }
     let shown = select(vec4f(0.0, 0.0, 0.0, 1.0), vec4f({{ pi / cones }} * irradiance, {{ 1 / cones }} * visible), seen.there);

@@ -24,6 +24,8 @@ from ...simulator.voxels.filtering import TURNED
 
 # Where the cube of voxels lies: its lowest corner, and the edge of a voxel of level 0, metres.
 VOXELS_OF = Struct("VoxelsOf", origin="vec3f", size="f32")
+# absorbed: of light, for each voxel of level 0 of its way.  reach: of ambient visibility, voxels of level 0.
+AIR = Struct("Air", absorbed="f32", reach="f32")
 RESOLUTIONS = (1, 2, 4)
 _DARKEST = 2.0**-10  # albedo of a specular lobe that is not seen: a quarter of a step of an 8-bit picture
 _TILE, _TOGETHER = 4, 8  # of diffuse.wgsl
@@ -50,11 +52,11 @@ class Voxels:
     skips: bool = False
 
 
-def cone_values(voxels: Voxels, offset: float, cover: str) -> dict[str, Any]:
-    """What cones.wgsl wants to know."""
+def cone_values(voxels: Voxels, offset: float, cover: str, absorbs: bool = False) -> dict[str, Any]:
+    """What cones.wgsl wants to know. absorbs: the air does; AIR is then bound as `air`."""
     return {
         **CONSTANTS, "voxels": voxels.file, "depth": voxels.depth, "offset": float(offset), "cover": cover,
-        "left": cones.LEFT, "clear": cones.CLEAR, "noted": False, **voxels.values,
+        "left": cones.LEFT, "clear": cones.CLEAR, "noted": False, "absorbs": absorbs, "limited": False, **voxels.values,
     }  # fmt: skip
 
 
@@ -69,9 +71,15 @@ def wide_cones(count: int, per_level: int, width: float) -> dict[str, Any]:
 
 class Gathering:
     """What diffuse and specular cones share. resolution: pixels along each side of a block that shares a pixel's
-    cones; offset: voxels from a surface to where they start. Raises OctoluxError for values out of range."""
+    cones; offset: voxels from a surface to where they start; attenuation: 1/m, of light on its way through the cube;
+    reach: m, of ambient visibility, 0 if it has no end. Raises OctoluxError for values out of range."""
 
-    def __init__(self, device: Device, voxels: Voxels, resolution: int, offset: float, cover: str):
+    def __init__(
+        self, device: Device, voxels: Voxels, resolution: int, offset: float, cover: str, attenuation: float = 0.0,
+        reach: float = 0.0,
+    ):  # fmt: skip
+        if not (attenuation >= 0.0 and reach >= 0.0):
+            raise OctoluxError(f"Attenuation and reach are 0 or more, not {attenuation} and {reach}.")
         if resolution not in RESOLUTIONS or cover not in cones.COVERS or not 0.0 <= offset <= 4.0:
             raise OctoluxError(
                 f"Cones have a resolution of {RESOLUTIONS}, an offset of 0 to 4 voxels and a cover of {cones.COVERS}, "
@@ -80,12 +88,17 @@ class Gathering:
         self.device, self._resolution = device, resolution
         self._of = device.uniform("voxel cones", VOXELS_OF.array(1))
         self._seen = [views_binding(), texture("surface_map", "uint"), texture("depth_map")]
-        self._read = [*self._seen, uniform("voxels_of", VOXELS_OF), *voxels.bindings]
-        self._structs = [VIEW, VOXELS_OF, *voxels.structs]
+        self._attenuation, self._reach = attenuation, reach
+        self._air = device.uniform("voxel cones", AIR.array(1)) if attenuation or reach else None
+        air = [uniform("air", AIR)] if self._air else []
+        self._read = [*self._seen, uniform("voxels_of", VOXELS_OF), *air, *voxels.bindings]
+        self._structs = [VIEW, VOXELS_OF, *([AIR] if air else []), *voxels.structs]
         self._filter_values: dict[str, Any] = {
             "resolution": resolution, "least_weight": LEAST_WEIGHT, "turned": TURNED, **CONSTANTS,
         }  # fmt: skip
-        self._values: dict[str, Any] = {"resolution": resolution, **cone_values(voxels, offset, cover)}
+        self._values: dict[str, Any] = {
+            "resolution": resolution, **cone_values(voxels, offset, cover, attenuation > 0.0), "limited": reach > 0.0,
+        }  # fmt: skip
         self._made_for: tuple[int, int] | None = None
         self._light: Any = None
         self._place: Any = None
@@ -107,7 +120,11 @@ class Gathering:
 
     def _resources(self, frame: Frame, grid: Grid) -> dict[str, Any]:
         self.device.write(self._of, VOXELS_OF.pack(origin=grid.origin, size=grid.cell_size))
-        return {**_seen_by(frame), "voxels_of": self._of}
+        if self._air is None:
+            return {**_seen_by(frame), "voxels_of": self._of}
+        size = grid.cell_size
+        self.device.write(self._air, AIR.pack(absorbed=self._attenuation * size, reach=self._reach / size))
+        return {**_seen_by(frame), "voxels_of": self._of, "air": self._air}
 
 
 def _seen_by(frame: Frame) -> dict[str, Any]:
@@ -123,14 +140,15 @@ class DiffuseCones(Gathering):
     what is left of cones that meet nothing sees the surroundings. Otherwise as `Gathering`.
 
     irradiance: rgba32float, lux of a picture's pixel, alpha 1, as light past occluders is counted already.
-    visibility: r32float, the share of each pixel's cones that meets nothing.
+    visibility: r32float, the share of each pixel's cones that meets nothing, or nothing within `reach`.
     """
 
     def __init__(
         self, device: Device, voxels: Voxels, *, count: int = 8, per_level: int = 2, width: float = 1.0,
-        resolution: int = 1, offset: float = 1.0, cover: str = "surfaces", sky: bool = False,
+        resolution: int = 1, offset: float = 1.0, cover: str = "surfaces", sky: bool = False, attenuation: float = 0.0,
+        reach: float = 0.0,
     ):  # fmt: skip
-        super().__init__(device, voxels, resolution, offset, cover)
+        super().__init__(device, voxels, resolution, offset, cover, attenuation, reach)
         if not 4 <= count <= 16 or not 1 <= per_level <= 4 or not 0.25 <= width <= 2.0:
             raise OctoluxError(
                 "There are 4 to 16 cones of 1 to 4 samples a level and a width of 0.25 to 2, "
@@ -194,9 +212,9 @@ class SpecularCones(Gathering):
 
     def __init__(
         self, device: Device, voxels: Voxels, *, step: float = 1.0, resolution: int = 1, offset: float = 1.0,
-        cover: str = "surfaces", sky: bool = False,
+        cover: str = "surfaces", sky: bool = False, attenuation: float = 0.0,
     ):  # fmt: skip
-        super().__init__(device, voxels, resolution, offset, cover)
+        super().__init__(device, voxels, resolution, offset, cover, attenuation)
         if not 0.125 <= step <= 2.0:
             raise OctoluxError(f"Samples of a specular cone are 0.125 to 2 voxels apart, not {step}.")
         self._sky, table = sky, texture("brdf_table")

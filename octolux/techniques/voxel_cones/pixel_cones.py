@@ -36,9 +36,9 @@ class PixelCones(Gathering):
 
     def __init__(
         self, device: Device, voxels: Voxels, *, count: int, per_level: int, width: float, resolution: int,
-        offset: float, cover: str, step: float, glossy: bool,
+        offset: float, cover: str, step: float, glossy: bool, attenuation: float = 0.0,
     ):  # fmt: skip
-        super().__init__(device, voxels, resolution, offset, cover)
+        super().__init__(device, voxels, resolution, offset, cover, attenuation)
         self._cones = count + glossy
         values = {**self._values, "noted": True}
         self._trace = ComputePass(

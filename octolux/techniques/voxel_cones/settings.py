@@ -86,6 +86,15 @@ class VoxelConesSettings(Settings):
         "way", unit="", allowed=(False, True),
         cost="direct light takes less time; wide cones take small openings for closed", source="VCT 3.6; ours",
     )  # fmt: skip
+    attenuation: float = setting(
+        0.0, meaning="share that the air takes of gathered light each metre: exp(-attenuation distance) of it arrives. "
+        "Lights fall with the square of the distance and need none; fog does, that which `--fog` lets weaken light",
+        unit="1/m", allowed=[0.0, 10.0], cost="an exponential a sample", source="VCT, table C.2; cones.py",
+    )  # fmt: skip
+    ambient_distance: float = setting(
+        0.0, meaning="how far away surfaces may be to count for ambient visibility; 0: however far", unit="m",
+        allowed=[0.0, 1000.0], cost="little; light is gathered from as far as before", source="VCT 5.6; ours",
+    )  # fmt: skip
     step: float = setting(
         1.0, meaning="between samples of a specular cone, in voxels as large as it is wide", unit="voxels",
         allowed=[0.125, 2.0], cost="time is inversely proportional; more leaves gaps", source="VCT 5.6",

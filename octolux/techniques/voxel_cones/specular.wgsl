@@ -14,7 +14,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let towards = reflected_direction(seen.surface, seen.to_eye);
     let traced = tight_cone(seen.start, towards, seen.geometric, {{ lobe }} * alpha_of(seen.surface), wanted);
     {% if sky %}
-    let light = traced.radiance + traced.left * environment_lobe(towards, alpha_of(seen.surface));
+    let light = traced.radiance + {% if absorbs %}through_air(way_out(seen.start, towards)) * {% endif %}traced.left * environment_lobe(towards, alpha_of(seen.surface));
     {% else %}
     let light = traced.radiance;
     {% endif %}

@@ -45,15 +45,16 @@ class VoxelCones(Technique):
         self.reading = Reading(device, *(octree.bricks for octree in octrees))
         reading = self.reading
         self.voxels = Voxels(s.depth, reading.file, reading.bindings, reading.structs, reading.values, skips=True)
-        start: dict[str, Any] = {"offset": s.offset, "cover": s.cover, "sky": s.sky}
+        start: dict[str, Any] = {"offset": s.offset, "cover": s.cover, "sky": s.sky, "attenuation": s.attenuation}
         self.gathers_sky = s.sky
         self.diffuse = DiffuseCones(
-            device, self.voxels, count=s.cones, per_level=s.samples, width=s.width, resolution=s.resolution, **start
-        )
+            device, self.voxels, count=s.cones, per_level=s.samples, width=s.width, resolution=s.resolution,
+            reach=s.ambient_distance, **start,
+        )  # fmt: skip
         self.specular = SpecularCones(device, self.voxels, step=s.step, **start) if s.glossy else None
         self.bounces = []
         if s.bounces > 1:
-            self.bounces = [Bounces(device, octree, reading, s.bounce_level) for octree in octrees]
+            self.bounces = [Bounces(device, octree, reading, s.bounce_level, s.attenuation) for octree in octrees]
 
     @property
     def octree(self) -> VoxelOctree:

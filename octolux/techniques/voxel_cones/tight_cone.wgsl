@@ -20,6 +20,7 @@ fn way_out_of_cell(position: vec3f, level: u32, towards: vec3f) -> f32 {
 }
 {% endif %}
 
+{% set seen_through = " * vec4f(vec3f(through_air(at)), 1.0)" if absorbs else "" %}
 // plane: unit normal of the surface that it starts on.
 fn tight_cone(start: vec3f, towards: vec3f, plane: vec3f, widening: f32, wanted: bool) -> Traced {
     var traced = Traced(vec3f(0.0), select(0.0, 1.0, wanted));
@@ -40,7 +41,7 @@ fn tight_cone(start: vec3f, towards: vec3f, plane: vec3f, widening: f32, wanted:
         looked_at = max(looked_at, finest);
         let empty = is_empty(position, looked_at);
         let reading = !empty && looked_at == finest;
-        let found = sample_between(position, level, towards);
+        let found = sample_between(position, level, towards){{ seen_through }};
         let length = select(0.0, {{ step }}, reading);
         {% if noted %}note(position, towards, level, length, found, traced);{% endif %}
         traced = covered(traced, found, length);
@@ -48,7 +49,7 @@ fn tight_cone(start: vec3f, towards: vec3f, plane: vec3f, widening: f32, wanted:
         travelled += select(select(0.0, {{ step }} * size, reading), max({{ step }} * size, across), empty);
         looked_at = select(max(looked_at, finest + 1u) - 1u, min(looked_at + 1u, TOP), empty);
         {% else %}
-        let found = sample_between(position, level, towards);
+        let found = sample_between(position, level, towards){{ seen_through }};
         {% if noted %}note(position, towards, level, {{ step }}, found, traced);{% endif %}
         traced = covered(traced, found, {{ step }});
         travelled += {{ step }} * size;

@@ -47,6 +47,7 @@ class VoxelViews:
         makers |= {f"nodes:{level}": partial(self.drawn_nodes, level) for level in levels}
         makers["updates"] = self.updates
         makers |= {f"updates:{level}": partial(self.drawn_updates, level) for level in levels}
+        makers["visibility"] = self.visibility
         return DebugViews(makers, {"cones": self.cones, "cones:drawn": self.drawn_cones})
 
     @property
@@ -137,6 +138,12 @@ class VoxelViews:
         made = self._updated()[first : first + count, None]
         return self._draw(level, np.where(made, _UPDATED, _KEPT), nodes=True)
 
+    def visibility(self) -> np.ndarray:
+        """Ambient visibility: the share of each pixel's diffuse cones that meets nothing."""
+        _ = self._frame
+        read = self._technique.device.read_texture(self._technique.diffuse.visibility, np.float32, 1)
+        return np.repeat(read, 3, axis=2)
+
     def cones(self, pixel: Pixel) -> np.ndarray:
         """pixel_cones.CONE_SAMPLE of the pixel's cones, the diffuse ones and then, where surfaces are `glossy`, the
         specular one."""
@@ -145,6 +152,7 @@ class VoxelViews:
         traced = PixelCones(
             technique.device, technique.voxels, count=s.cones, per_level=s.samples, width=s.width, step=s.step,
             resolution=s.resolution, offset=s.offset, cover=s.cover, glossy=s.glossy,
+            attenuation=s.attenuation,
         )  # fmt: skip
         at = pixel or (frame.pixels[0] // 2, frame.pixels[1] // 2)
         return traced.samples(frame, technique.octree.grid, at, **technique.reading.resources)

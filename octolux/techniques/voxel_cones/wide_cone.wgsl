@@ -6,6 +6,11 @@ struct Way {
     start: vec3f, towards: vec3f, plane: vec3f, reach: f32, before: f32, before_level: u32, traced: Traced,
 }
 
+{% if limited %}
+// The share of the last cone that met nothing within air.reach voxels of level 0.
+var<private> open: f32;
+{% endif %}
+
 // distance: of the sample in voxels of level 0; step: for which it stands, in voxels of `level`.
 fn sampled(way: Way, distance: f32, level: u32, step: f32) -> Way {
     let leaves = distance > way.reach;
@@ -13,17 +18,22 @@ fn sampled(way: Way, distance: f32, level: u32, step: f32) -> Way {
     let of_level = select(level, way.before_level, leaves);
     let height = {{ offset }} + travelled * dot(way.towards, way.plane);
     let position = lifted(way.start + travelled * way.towards, way.plane, height, f32(1u << of_level));
-    let found = sample_voxels(position, of_level, way.towards);
+    let found = sample_voxels(position, of_level, way.towards){% if absorbs %} * vec4f(vec3f(through_air(travelled)), 1.0){% endif %};
     let rest = max(way.reach - way.before, 0.0) / f32(1u << way.before_level);
     let length = select(step, rest, leaves);
     {% if noted %}note(position, way.towards, f32(of_level), length, found, way.traced);{% endif %}
     let traced = covered(way.traced, found, length);
+    {% if limited %}
+    let within = saturate((air.reach - travelled) / max(length * f32(1u << of_level), 1e-6));
+    open -= within * (way.traced.left - traced.left);
+    {% endif %}
     return Way(way.start, way.towards, way.plane, way.reach, distance, level, traced);
 }
 
 // plane: unit normal of the surface that it starts on.
 fn wide_cone(start: vec3f, towards: vec3f, plane: vec3f, wanted: bool) -> Traced {
     let reach = way_out(start, towards);
+    {% if limited %}open = select(0.0, 1.0, wanted);{% endif %}
     var way = Way(start, towards, plane, reach, 0.0, 0u, Traced(vec3f(0.0), select(0.0, 1.0, wanted)));
     {% for sample in near %}
     way = sampled(way, {{ sample.distance }}, 0u, {{ sample.step }});
