@@ -80,6 +80,16 @@ def test_both_sides_of_a_double_sided_wall_face():
     np.testing.assert_array_equal(both, [0, 0, 0, 0, 1, 1])
 
 
+@pytest.mark.parametrize(("gap", "back"), [(1.0, 0), (2.0, 1)])
+def test_backs_that_nothing_can_see_do_not_count(gap, back):
+    """Two double-sided walls back to back, without or with a voxel of air between them."""
+    upper = square((2.0, 2.0, 9.5), (20.0, 0.0, 0.0), (0.0, 20.0, 0.0))
+    lower = (upper - (0.0, 0.0, gap))[:, ::-1]
+    facing = voxels_of(np.concatenate([upper, lower]), UNIT, True).facing[:, 10, 10]
+    np.testing.assert_array_equal(facing[9], [0, 0, 0, 0, 1, back])
+    np.testing.assert_array_equal(facing[9 - int(gap)], [0, 0, 0, 0, back, 1])
+
+
 def test_means_are_weighted_by_area():
     """A wall of one colour before half a wall of another in the same voxels: 2 to 1."""
     walls = np.concatenate([

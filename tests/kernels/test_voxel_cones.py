@@ -213,7 +213,7 @@ def test_the_same_bits_again(device):
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"count": 3}, {"resolution": 3}, {"width": 0.0}, {"per_level": 5}, {"cover": "walls"}, {"offset": -1.0},
+    "wrong", [{"count": 3}, {"resolution": 3}, {"width": 0.0}, {"per_level": 9}, {"cover": "walls"}, {"offset": -1.0},
               {"attenuation": -1.0}, {"reach": -1.0}]
 )
 def test_wrong_values(device, wrong):

@@ -30,7 +30,7 @@ def reference(corners: np.ndarray, materials: list[Material], of: np.ndarray, gr
 
 
 def two_materials(**second) -> list[Material]:
-    return [Material(base_color=RED, specular=0.0), Material(base_color=GREEN, double_sided=True, **second)]
+    return [Material(base_color=RED, specular=0.0), Material(base_color=GREEN, **{"double_sided": True, **second})]
 
 
 def random_scene(grid: Grid, count: int, size: float, seed: int, **second):

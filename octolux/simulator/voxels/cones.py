@@ -45,8 +45,12 @@ CLEAR = 1.5
 """Voxels: a trilinear sample reaches one to either side, and a surface lies up to half of one off the middle of its
 own; along a normal that is not along an axis as many times more as the sum of its parts."""
 COVERS = ("surfaces", "medium")
-CONE_TURN = 0.5 * (sqrt(5.0) - 1.0)  # of a circle, from cone to cone: the golden ratio spreads any number of them
-PHASE_TURN = 0.7548776662466927  # from phase to phase: 1 / x of x^3 = x + 1, which does not chime with the golden ratio
+CONE_TURN = 0.5 * (3.0 - sqrt(5.0))  # of a circle, from cone to cone: the golden angle spreads any number of them
+PHASE_TURN = (10.0 + CONE_TURN) / PHASES
+"""From one to the next of all cones, by their distance from the middle of the disc: PHASES of them are a turn of
+CONE_TURN. So those of a phase lie in a spiral, and those of all phases in a denser one. Of the 16 steps that do so this
+one is among the best: a spot with a spread of a tenth of the disc's radius is seen 3 % too bright or too dark by 16 x
+16 of them, 7 % by 16 x 8; with phases turned by a step of their own it was 27 % and 38 %."""
 
 Read = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 """Of points (m, 3), in voxels of level 0, levels (m,) and unit directions (m, 3): radiance times opacity (m, k), and
@@ -63,7 +67,7 @@ def half_angle(count: int) -> float:
 def phase_shift(phase: int) -> tuple[float, float]:
     """How far a phase's cones are moved: outwards on the disc, in shares of a cone's area, and around, in turns."""
     reversed_bits = int(f"{phase:04b}"[::-1], 2)
-    return (reversed_bits + 0.5) / PHASES, (phase * PHASE_TURN) % 1.0
+    return (reversed_bits + 0.5) / PHASES, (reversed_bits * PHASE_TURN) % 1.0
 
 
 def directions(count: int, phase: int) -> np.ndarray:

@@ -49,15 +49,22 @@ def voxelise(found: Fragments, normals, n: int, albedo, emission, coverage, doub
 
     normals: unit vectors of the triangles, (T, 3).  For each fragment: albedo (M, 3); emission (M, 3), nits; coverage
     (M,): what alpha leaves of it; double_sided (M,): seen from both sides, so it faces either way.
+
+    A back counts where it can be seen: where the voxel that it looks at is not `touched`. A solid whose materials are
+    double-sided, as all are in files that do not say, would else be hidden in part by its own dark inside, wherever it
+    is slanted: its back looks along the axes across which its front does not.
     """
     normal = np.asarray(normals, dtype=np.float64)[found.triangle]
     steepest = np.abs(normal).max(axis=1, keepdims=True)
     share = (found.share * coverage)[:, None]
     along = normal @ DIRECTIONS.T / steepest
-    facing = share * np.where(np.asarray(double_sided)[:, None], np.abs(along), np.maximum(along, 0.0))
     area = share / steepest
     here = ((found.voxel >= 0) & (found.voxel < n)).all(axis=1)
     x, y, z = found.voxel[here].T
+    touched = np.zeros((n, n, n), bool)
+    touched[z, y, x] = True
+    back = np.asarray(double_sided)[:, None] & ~_covered(touched, found.voxel)
+    facing = share * np.where(back, np.abs(along), np.maximum(along, 0.0))
 
     def summed(values: np.ndarray) -> np.ndarray:
         sums = np.zeros((n, n, n, values.shape[1]))
@@ -66,6 +73,11 @@ def voxelise(found: Fragments, normals, n: int, albedo, emission, coverage, doub
 
     areas = summed(area)
     means = [summed(area * np.asarray(v)) / np.where(areas > 0.0, areas, 1.0) for v in (albedo, emission)]
-    touched = np.zeros((n, n, n), bool)
-    touched[z, y, x] = True
     return Voxels(touched, np.minimum(summed(facing), 1.0), *means)
+
+
+def _covered(touched: np.ndarray, voxels: np.ndarray) -> np.ndarray:
+    """Whether the voxel that each of DIRECTIONS leads to from voxels (M, 3) is touched: (M, 6)."""
+    padded, inside = np.pad(touched, 1), np.clip(voxels, 0, len(touched) - 1)
+    x, y, z = np.moveaxis(inside[:, None] + DIRECTIONS.astype(np.int64) + 1, -1, 0)
+    return padded[z, y, x]

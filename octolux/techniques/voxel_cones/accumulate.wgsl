@@ -17,6 +17,17 @@ fn add(place: u32, value: f32) {
     if whole > 0u { atomicAdd(&sums[place], whole); }
 }
 
+// Of the three ways that the back of a surface across `along` looks in a voxel those, 1, that nothing covers: what moves is
+// covered by what is static, but not the other way around.
+fn seen_behind(voxel: vec3i, along: vec3f) -> vec3f {
+    let behind = -vec3i(sign(along));
+    let covered = vec3<bool>(
+        found_at(voxel + vec3i(behind.x, 0, 0)).some, found_at(voxel + vec3i(0, behind.y, 0)).some,
+        found_at(voxel + vec3i(0, 0, behind.z)).some,
+    );
+    return select(vec3f(1.0), vec3f(0.0), covered);
+}
+
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let tile = id.x + {{ row }}u * id.y;
@@ -38,9 +49,6 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let outward = normalize(select(n, -n, instance.flipped == 1u));
     let steepest = max(max(abs(outward.x), abs(outward.y)), abs(outward.z));
     let along = outward / steepest;
-    let both = vec3f(f32(material.double_sided));
-    let up = max(along, both * abs(along));
-    let down = max(-along, both * abs(along));
     let uv1 = b.uv - a.uv;
     let uv2 = c.uv - a.uv;
     // As wide in uv as a column is there.
@@ -56,6 +64,10 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             let leaf = leaf_at(voxel);
             let slot = leaf.number - cube.first;
             if leaf.node != NO_NODE && slot < cube.room {
+                var back = vec3f(0.0);
+                if material.double_sided == 1u { back = seen_behind(voxel, along) * abs(along); }
+                let up = select(back, along, along > vec3f(0.0));
+                let down = select(back, -along, along < vec3f(0.0));
                 let w = met.weights;
                 var color = vec4f(1.0);
                 {% if vertex_colors %}

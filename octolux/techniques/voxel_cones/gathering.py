@@ -149,9 +149,9 @@ class DiffuseCones(Gathering):
         reach: float = 0.0,
     ):  # fmt: skip
         super().__init__(device, voxels, resolution, offset, cover, attenuation, reach)
-        if not 4 <= count <= 16 or not 1 <= per_level <= 4 or not 0.25 <= width <= 2.0:
+        if not 4 <= count <= 16 or not 1 <= per_level <= 8 or not 0.25 <= width <= 2.0:
             raise OctoluxError(
-                "There are 4 to 16 cones of 1 to 4 samples a level and a width of 0.25 to 2, "
+                "There are 4 to 16 cones of 1 to 8 samples a level and a width of 0.25 to 2, "
                 f"not {count} of {per_level} and {width}."
             )
         self._sky = sky

@@ -69,8 +69,8 @@ class VoxelConesSettings(Settings):
         allowed=[0.25, 2.0], cost="less sees finer, and wants as many more samples", source="VCT 5.6",
     )  # fmt: skip
     samples: int = setting(
-        4, meaning="samples of a diffuse cone for each level; 2 over `width` leave no gaps", unit="samples",
-        allowed=[1, 4], cost="time is proportional", source="VCT 5.6",
+        6, meaning="samples of a diffuse cone for each level; for 8 cones 2 over `width` leave no gaps, for 16 cones 3",
+        unit="samples", allowed=[1, 8], cost="time is proportional; gaps let light through walls", source="VCT 5.6",
     )  # fmt: skip
     resolution: int = setting(
         2, meaning="pixels along the edge of a block of which one gathers diffuse light", unit="pixels",
@@ -111,5 +111,5 @@ class VoxelConesSettings(Settings):
 
     PRESETS: ClassVar[dict[str, dict[str, Any]]] = {
         "full": {"resolution": 1},
-        "fast": {"cones": 8, "width": 1.0, "samples": 2},
+        "fast": {"cones": 8, "width": 0.7, "samples": 3},
     }

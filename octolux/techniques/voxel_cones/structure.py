@@ -51,7 +51,8 @@ class VoxelOctree:
         self.octree = Octree(device, depth, moving=static is not None)
         self.bricks: Bricks = Bricks(device, self.octree, representation, static.bricks if static else None)
         self.filtering = Filtering(device, self.bricks)
-        self._voxeliser = Voxeliser(device, self.octree, texture_level)
+        beside = self.other_leaf_bindings("static_") if static else ()
+        self._voxeliser = Voxeliser(device, self.octree, texture_level, beside)
         self.voxels = Pool("voxels", lambda count: record_texture(device, LABEL, VOXEL, count), limit=1 << 24)
         self._surfaces = {
             emissive: ComputePass(
@@ -118,10 +119,11 @@ class VoxelOctree:
         room = max(1, min(counts.voxels, _SUMS_BYTES // size))
         sums = self.device.buffer("voxel build", size=room * size)
         first_leaf, leaves = counts.levels[0]
+        beside = self.static.leaf_resources("static_") if self.static else {}
         for first in range(0, counts.voxels, room):
             cube = self._voxeliser.cube(self.grid, self.peak, first, room, first_leaf)
             stage.encoder.clear_buffer(sums)
-            self._voxeliser.accumulate(stage, scene, triangles, cube, sums)
+            self._voxeliser.accumulate(stage, scene, triangles, cube, sums, **beside)
             self._surfaces[scene.has_emission].run(
                 stage, threads(OWN * leaves), parameters=parameters(self.device, leaves, first_leaf), cube=cube,
                 leaves=self.octree.leaves.resource, sums=sums, voxels=self.voxels.resource,

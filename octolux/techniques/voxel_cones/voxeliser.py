@@ -53,9 +53,13 @@ class Triangles:
 
 class Voxeliser:
     """Marks the voxels that triangles lie in, then, when these have numbers, sums what lies there. Of an octree of what
-    moves these are voxels in whose nodes something lies that does."""
+    moves these are voxels in whose nodes something lies that does. static: how the leaves of what is static are looked
+    up then (`VoxelOctree.other_leaf_bindings`, under names with "static_")."""
 
-    def __init__(self, device: Device, octree: Octree, texture_level: float = 0.0):
+    def __init__(
+        self, device: Device, octree: Octree, texture_level: float = 0.0, static: tuple[Binding, ...] = ()
+    ):  # fmt: skip
+        self._static = static
         self.device, self.octree, self._texture_scale = device, octree, 2.0**texture_level
         self._sums = PrefixSum(device, "u32")
         self._accumulate: ComputePass | None = None
@@ -127,8 +131,11 @@ class Voxeliser:
         """u32 of a voxel's sums."""
         return SUM_WORDS + EMISSION_WORDS * emissive
 
-    def accumulate(self, stage: Any, scene: GpuScene, triangles: Triangles, cube: Any, sums: Any) -> None:
-        """Add what fragments bring to `sums`, u32 [voxel][words], for the voxels that `cube` names."""
+    def accumulate(
+        self, stage: Any, scene: GpuScene, triangles: Triangles, cube: Any, sums: Any, **static: Any
+    ) -> None:  # fmt: skip
+        """Add what fragments bring to `sums`, u32 [voxel][words], for the voxels that `cube` names. static: what to
+        bind to the bindings of that name."""
         key = (id(scene), scene.version)
         if self._accumulate is None or self._accumulate_of != key:
             self._accumulate, self._accumulate_of = self._made(scene), key
@@ -136,13 +143,14 @@ class Voxeliser:
             self._accumulate.run(
                 stage, threads(triangles.tiles), scene.resources, cube=cube, ids=triangles.ids, starts=triangles.starts,
                 parameters=parameters(self.device, triangles.count, second=triangles.tiles), sums=sums,
-                directory=self.octree.directory, leaves=self.octree.leaves.resource,
+                directory=self.octree.directory, leaves=self.octree.leaves.resource, **static,
             )  # fmt: skip
 
     def _made(self, scene: GpuScene) -> ComputePass:
         bindings = [*self._given, words("ids"), words("starts"), words("leaves"), directory_binding(),
-                    atomic_words("sums", "u32")]  # fmt: skip
-        values = {**surface_values(scene), **self.octree.values, **self.values}
+                    atomic_words("sums", "u32"), *self._static]  # fmt: skip
+        parts = ("", "static_") if self._static else ("",)
+        values = {**surface_values(scene), **self.octree.values, **self.values, "parts": parts}
         return ComputePass(
             self.device, "fragment values", "techniques/voxel_cones/accumulate.wgsl", bindings,
             structs=[PARAMETERS, CUBE, VIEW], shared=scene.bindings, workgroup=WORKGROUP, starts=True,

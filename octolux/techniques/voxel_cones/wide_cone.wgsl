@@ -55,7 +55,8 @@ fn wide_cone(start: vec3f, towards: vec3f, plane: vec3f, wanted: bool) -> Traced
 
 // How far the cones of a pixel's phase are moved: outwards on the disc, and around (`phase_shift`).
 fn phase_shift(phase: u32) -> vec2f {
-    return vec2f((f32(reverseBits(phase) >> 28u) + 0.5) * {{ 1 / phases }}, fract(f32(phase) * {{ phase_turn }}));
+    let place = f32(reverseBits(phase) >> 28u);
+    return vec2f((place + 0.5) * {{ 1 / phases }}, fract(place * {{ phase_turn }}));
 }
 
 // Of the cone with this number of a set that is moved so: around +z.
