@@ -88,7 +88,7 @@ class VoxelConesSettings(Settings):
     )  # fmt: skip
     attenuation: float = setting(
         0.0, meaning="share that the air takes of gathered light each metre: exp(-attenuation distance) of it arrives. "
-        "Lights fall with the square of the distance and need none; fog does, that which `--fog` lets weaken light",
+        "Lamps fall with the square of the distance without it; in fog it is what that scatters and absorbs",
         unit="1/m", allowed=[0.0, 10.0], cost="an exponential a sample", source="VCT, table C.2; cones.py",
     )  # fmt: skip
     ambient_distance: float = setting(
