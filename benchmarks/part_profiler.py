@@ -14,8 +14,8 @@ from octolux.gpu.device import Device
 from octolux.gpu.profiler import Profiler
 
 PartOf = Callable[[str, str, bool], str]
-"""The part that a pass belongs to: of the stage's name, the pass's, or, where the last is true, that of a buffer that
-is cleared."""
+"""The part that a pass belongs to: of the names of the stage and the pass, or, where the last is true, of a buffer that
+is cleared or copied."""
 
 
 @dataclass(frozen=True)
@@ -107,4 +107,4 @@ class _Recorder:
         self._executed(buffer.label, clears=True).clear_buffer(buffer, *span)
 
     def copy_buffer_to_buffer(self, source: Any, *rest: Any) -> None:
-        self._executed(source.label, clears=False).copy_buffer_to_buffer(source, *rest)
+        self._executed(source.label, clears=True).copy_buffer_to_buffer(source, *rest)

@@ -28,7 +28,6 @@ from octolux.scene.scene import Scene
 from octolux.simulator.voxels.surfaces import around
 from octolux.techniques import technique_class
 from octolux.techniques.technique import Technique
-from octolux.techniques.voxel_cones.octree import LABEL
 from octolux.techniques.voxel_cones.structure import VoxelOctree
 
 from . import scenes_on_disk
@@ -62,12 +61,12 @@ _STAGES = {
 _PASSES = {
     ("injection", "inject"): thesis.TRAVERSE, ("filtering", "climb"): thesis.CHILDREN,
     ("filtering", "average_light"): thesis.CHILDREN,
-    ("filtering", LABEL): thesis.LIST,  # how long the lists are
 }  # fmt: skip
 
 
 def part_of(stage: str, name: str, clears: bool = False) -> str:
-    """The part of the thesis's that a pass, or the clearing of a buffer, of that name in that stage belongs to."""
+    """The part of the thesis's that a pass, or the clearing or copying of a buffer, of that name in that stage belongs
+    to. Of the update list only that shows: it is made in passes that average, too."""
     if stage in _BUILDING:
         if clears and stage == "voxels":
             return OCTREE + thesis.RESET

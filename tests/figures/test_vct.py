@@ -112,7 +112,7 @@ def test_wrong_options(monkeypatch, capsys, words, says):
     assert says in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", ["vct_octree", "vct_slab", "vct_furnace"])
+@pytest.mark.parametrize("name", ["vct_octree", "vct_furnace"])
 def test_what_is_known_exactly(name):
     rows = registry.FIGURES[name].rows()
     assert any(row.holds for row in rows)
