@@ -19,7 +19,7 @@ MODULES = (
     "loading", "bad_input", "mutated", "live", "sequences", "olpv_kernels", "olpv_table1", "olpv_sparse",
     "olpv_artefacts", "clpv_propagation", "clpv_ao", "clpv_emitted", "clpv_area", "clpv_fog",
     "clpv_glossy",
-    "clpv_stability", "clpv_motion", "clpv_table1", "clpv_ratios", "vct_tables", "vct_closed_forms",
+    "clpv_stability", "clpv_motion", "clpv_table1", "clpv_ratios", "vct_rows", "vct_closed_forms",
     "vct_dense", "vct_cost", "vct_gathering",
 )  # fmt: skip
 

@@ -4,8 +4,8 @@
 Rows are views of the comparison set; the last column is path-traced, but for table 6.16's, which has it before the
 ambient visibility. 16: direct light; all light; ambient visibility. 17: indirect light, a stop brighter, of voxels that
 keep it along six axes, and as lobes. 18: all light by octrees of depth 6 to 9. 19: indirect light by 4, 6, 9 and 16
-cones. 20: ambient visibility by octrees of depth 6 to 9. 1, its figure 6.1: a curtain's normals in the voxels, indirect
-light by lobes, and along axes. They need the data folder.
+cones. 20: ambient visibility by octrees of depth 6 to 9. 1, its figure 6.1: light in the voxels of a curtain, indirect
+light of lobes, and along axes. They need the data folder.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from octolux.renderer import Renderer  # noqa: E402
 from octolux.scene.cameras import Camera  # noqa: E402
 from octolux.scene.environment import Environment  # noqa: E402
 from octolux.scene.scene import Scene  # noqa: E402
-from octolux.simulator.tonemap import signal  # noqa: E402
+from octolux.simulator.tonemap import signal, srgb_encode  # noqa: E402
 from octolux.techniques.voxel_cones.technique import VoxelCones  # noqa: E402
 
 FOLDER = ROOT / "docs" / "images"
@@ -43,7 +43,7 @@ OPEN = ("cornell_point", "atrium", "crytek_sun")
 DEPTHS, CONES = (6, 7, 8, 9), (4, 6, 9, 16)
 BOUNCES = "bounces=4"
 SIZE, PATHS = (256, 144), 64
-CURTAIN = Camera.look_at((-3.2, 5.6, 0.6), (-3.6, 5.0, 4.4), vertical_fov=np.radians(60.0))
+CURTAIN = Camera.look_at((0.0, 3.0, 0.0), (1.5, 3.2, 5.0), vertical_fov=np.radians(60.0))
 """Of Crytek Sponza: thin, and lit on one side."""
 
 
@@ -67,9 +67,13 @@ def shown(view: View, radiance: np.ndarray, stops: float = 0.0) -> np.ndarray:
 
 
 def pixels(values: np.ndarray) -> np.ndarray:
-    """uint8 (height, width, 3) of values in [0, 1], grey where they have no colours."""
-    values = values if values.ndim == 3 else np.repeat(values[..., None], 3, axis=2)
+    """uint8 (height, width, 3) of values in [0, 1]."""
     return (255.0 * np.clip(values, 0.0, 1.0) + 0.5).astype(np.uint8)
+
+
+def grey(values: np.ndarray) -> np.ndarray:
+    """uint8 (height, width, 3) of shares (height, width), encoded as sRGB."""
+    return pixels(srgb_encode(np.repeat(values[..., None], 3, axis=2)))
 
 
 def visibility(view: View, words: str) -> np.ndarray:
@@ -80,14 +84,14 @@ def visibility(view: View, words: str) -> np.ndarray:
     picture = made.render(view.camera)
     assert isinstance(made.technique, VoxelCones)
     found = device().read_texture(made.technique.diffuse.visibility, np.float32, 1)[..., 0]
-    return pixels(np.where(picture.mask, found, 1.0))
+    return grey(np.where(picture.mask, found, 1.0))
 
 
 def true_visibility(view: View) -> np.ndarray:
     """The same by paths: surfaces of one albedo below a sky of radiance 1, over that albedo."""
     lit = replace(untextured(scene_of(view)), lights=[], environment=Environment((1.0, 1.0, 1.0)), medium=None)
     picture = traced(lit, view.camera, reference(view).size, "direct")
-    return pixels(np.where(picture.mask, picture.radiance[..., 0] / ALBEDO, 1.0))
+    return grey(np.where(picture.mask, picture.radiance[..., 0] / ALBEDO, 1.0))
 
 
 def traced(scene: Scene, camera: str | Camera, size: tuple[int, int], paths: str) -> Any:
@@ -118,7 +122,7 @@ def table_18() -> np.ndarray:
 
 
 def table_19() -> np.ndarray:
-    words = [f"cones={count},width=1.0,samples=2" for count in CONES]
+    words = [f"cones={count},width=1.0,samples=3" for count in CONES]
     return each(LIT, lambda view: [*(light(view, each, whole=False) for each in words), truth(view, whole=False)])
 
 
@@ -134,11 +138,11 @@ def figure_1() -> np.ndarray:
         one = choice(f"{TECHNIQUE},representation={kind}")
         made = Renderer(scene, one.technique, settings=one.settings, size=SIZE, device=device())
         kinds.append((made, made.render(CURTAIN)))
-    normals = pixels(kinds[0][0].technique.debug_views()["voxels:1:normal"])
+    voxels = pixels(kinds[0][0].technique.debug_views()["voxels:0:light"])
     lit = [picture.layers["indirect"] - picture.layers["specular"] for _, picture in kinds]
     lit.append(traced(scene, CURTAIN, SIZE, "first-bounce").radiance)
     exposure = scene.exposure or 0.0
-    return np.concatenate([normals, *(pixels(signal(each, exposure - 2.0, "neutral")) for each in lit)], axis=1)
+    return np.concatenate([voxels, *(pixels(signal(each, exposure - 2.0, "neutral")) for each in lit)], axis=1)
 
 
 FIGURES = {

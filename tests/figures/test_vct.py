@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks import registry, vct_tables
+from benchmarks import registry, vct_rows, vct_tables
 from benchmarks import vct_thesis as thesis
 from benchmarks.vct_cost import tessellated
 from benchmarks.vct_frames import COPIES, OCTREE, OTHER, Case, built, frames_of, part_of
@@ -62,15 +62,15 @@ def frames():
 
 def test_every_part_of_a_frame_is_timed(frames):
     """Those of building an octree for the ball that moves, too."""
-    build = {OCTREE + part for part in (*vct_tables.BUILDING, *vct_tables.FILLING)}
+    build = {OCTREE + part for part in (*vct_rows.BUILDING, *vct_rows.FILLING)}
     for frame in frames:
-        assert {*vct_tables.INJECTION, thesis.DIFFUSE, thesis.SPECULAR, *build} <= set(frame)
+        assert {*vct_rows.INJECTION, thesis.DIFFUSE, thesis.SPECULAR, *build} <= set(frame)
         assert all(time > 0.0 for time in frame.values())
 
 
 def test_every_part_of_a_build_is_timed():
     small, large = built("cornell-box", [("axial", 6), ("axial", 7)], 1)
-    assert set(small.parts) == {"Frame", *(OCTREE + part for part in (*vct_tables.BUILDING, *vct_tables.FILLING))}
+    assert set(small.parts) == {"Frame", *(OCTREE + part for part in (*vct_rows.BUILDING, *vct_rows.FILLING))}
     assert 3.0 < large.nodes / small.nodes < 5.0  # surfaces: four times as many on each level
     assert 2.0 <= large.megabytes / small.megabytes <= 8.0  # in layers, whose number is a power of two
     assert small.megabytes * 1e6 >= 4 * 27 * small.bricks
@@ -91,23 +91,28 @@ def test_lines():
 
 
 def test_tables_are_written(frames, monkeypatch, capsys, tmp_path):
-    monkeypatch.setattr(vct_tables, "_by_depth", lambda scene, count: [*frames, frames[-1]])
-    files = [tmp_path / "a.json", tmp_path / "a.md"]
-    words = ["6.13", "--scene", "corridor", "--json", str(files[0]), "--markdown", str(files[1])]
-    assert vct_tables.main(words) == 0
+    monkeypatch.setattr(vct_rows, "_by_depth", lambda scene, count: [*frames, frames[-1]])
+    files = [tmp_path / "a.json", tmp_path / "a.md", tmp_path / "page.md"]
+    written = zip(("--json", "--markdown", "--page"), map(str, files), strict=True)
+    assert vct_tables.main(["6.13", "--scene", "corridor", *(word for pair in written for word in pair)]) == 0
     data = json.loads(files[0].read_text(encoding="utf-8"))["tables"]["6.13"]
     assert data["ours"]["corridor"]["6"][thesis.RENDER] == frames[0][thesis.RENDER]
     assert data["thesis"]["corridor"]["8"][thesis.TOTAL] == 48.70
     assert "Table 6.13" in capsys.readouterr().out and "| corridor | 6 |" in files[1].read_text(encoding="utf-8")
+    page = files[2].read_text(encoding="utf-8")
+    assert page.startswith("# voxel-cones") and "## Table 6.13. Injection of light\n\n| scene |" in page
 
 
 @pytest.mark.parametrize(
     ("words", "says"),
-    [(["--frames", "0"], "at least 1"), (["6.90"], "6.9"), (["--json", "nowhere/a.json"], "there is no folder")],
-)
+    [
+        (["--frames", "0"], "at least 1"), (["6.90"], "6.9"), (["--json", "nowhere/a.json"], "there is no folder"),
+        (["--page", "nowhere/a.md"], "there is no folder"),
+    ],
+)  # fmt: skip
 def test_wrong_options(monkeypatch, capsys, words, says):
-    monkeypatch.setattr(vct_tables, "frames_of", lambda *given: pytest.fail("measured"))
-    monkeypatch.setattr(vct_tables, "built", lambda *given: pytest.fail("measured"))
+    monkeypatch.setattr(vct_rows, "frames_of", lambda *given: pytest.fail("measured"))
+    monkeypatch.setattr(vct_rows, "built", lambda *given: pytest.fail("measured"))
     assert vct_tables.main(words) == 2
     assert says in capsys.readouterr().err
 
@@ -136,10 +141,10 @@ def test_tessellated_surfaces_are_the_same():
 
 def test_memory_of_both_representations(monkeypatch):
     """Three bricks of lobes for each node. All rows are those that the thesis has."""
-    wanted = [f"{kind} {depth}" for kind in (thesis.AXIAL, thesis.LOBES) for depth in vct_tables.MEMORY_DEPTHS]
+    wanted = [f"{kind} {depth}" for kind in (thesis.AXIAL, thesis.LOBES) for depth in vct_rows.MEMORY_DEPTHS]
     assert wanted == list(thesis.MEMORY["Cornell box"])
-    monkeypatch.setattr(vct_tables, "MEMORY_DEPTHS", (6,))
-    found = vct_tables.memory("cornell-box", 1)
-    nodes = vct_tables.built("cornell-box", [(thesis.LOBES, 6)], 1)[0].nodes
-    assert found["lobes 6"][vct_tables.BRICKS] == 3 * nodes
+    monkeypatch.setattr(vct_rows, "MEMORY_DEPTHS", (6,))
+    found = vct_rows.memory("cornell-box", 1)
+    nodes = vct_rows.built("cornell-box", [(thesis.LOBES, 6)], 1)[0].nodes
+    assert found["lobes 6"][vct_rows.BRICKS] == 3 * nodes
     assert set(found) == {"axial 6", "lobes 6"}
