@@ -91,10 +91,11 @@ def page(made: Sequence[written_tables.Table], frames: int) -> str:
     head = f"""# voxel-cones: the thesis's tables
 
 Tables 6.4 to 6.13 of Drinovsky 2013 by `python -m benchmarks.vct_tables --page {PAGE}`,
-which writes this page: medians of {frames} frames on {device().adapter_name}, in
-milliseconds where no other unit is said. Below ours are those of the thesis, of its {thesis.ADAPTER} and its model of such a
-room; `atrium` is ours alone. Times are those of another adapter: what can be compared stands in brackets, how many times
-the scene's first row, or the share of the total.
+which writes this page: medians of {frames} frames on
+{device().adapter_name},
+in milliseconds where no other unit is said. Below ours are those of the thesis, of its {thesis.ADAPTER} and its model
+of such a room; `atrium` is ours alone. Times are those of another adapter: what can be compared stands in brackets, how
+many times the scene's first row, or the share of the total.
 
 All but what a table varies is as in the thesis: 512 x 512 pixels, 6 diffuse cones at each and a specular one, 8 levels,
 and one lamp that shines all around and moves, every texel of whose six shadow maps of 512 x 512 is injected; a ball
