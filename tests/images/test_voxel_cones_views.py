@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from gpu_tools import read_buffer, scene_of
+from test_voxel_cones_motion import room
 from test_voxel_cones_pictures import FLOOR, PAINT, SIZE, from_above, renderer, spot, technique
 
 from octolux.scene.errors import OctoluxError
@@ -93,3 +94,25 @@ def test_cones_of_a_pixel_by_its_name(box):
 def test_unknown_views_are_refused(box, wrong):
     with pytest.raises(OctoluxError, match=f"no debug view '{wrong}'. Did you mean"):
         box[1].maker(wrong)
+
+
+def test_what_moves_is_seen_among_what_is_static(device):
+    """Voxels, nodes that hold any, and pictures are those of a fresh renderer, where everything is static."""
+    made = renderer(device, room())
+    made.render()
+    before = made.technique.debug_views()["voxels:0"]
+    made.scene = room((0.3, 0.4, 0.2))
+    made.render()
+    fresh = renderer(device, made.scene)
+    fresh.render()
+    moved, still = (one.technique.debug_views() for one in (made, fresh))
+    assert len(technique(made).parts.octrees) == 2 and len(technique(fresh).parts.octrees) == 1
+    for level in range(6):
+        found, expected = (np.sort(views[f"voxels:{level}"], order="cell") for views in (moved, still))
+        for name in found.dtype.names:
+            np.testing.assert_array_equal(found[name], expected[name], err_msg=f"{name} on level {level}")
+    for name in ("voxels:0:albedo", "voxels:1:light", "voxels:3:normal", "fragments:drawn"):
+        np.testing.assert_array_equal(moved[name], still[name], err_msg=name)
+    assert len(before) != len(moved["voxels:0"]) or not np.array_equal(before, moved["voxels:0"])
+    assert set(map(tuple, still["nodes"])) <= set(map(tuple, moved["nodes"]))
+    assert 0 < len(moved["updates"]) < len(moved["nodes"])

@@ -20,7 +20,7 @@ from octolux.simulator.voxels.cones import PHASES, Plane, above, basis, diffuse_
 from octolux.simulator.voxels.fragments import fragments
 from octolux.simulator.voxels.pyramid import facing_levels, intensity_levels
 from octolux.simulator.voxels.surfaces import DIRECTIONS
-from octolux.techniques.voxel_cones.contents import level_voxels, node_cells
+from octolux.techniques.voxel_cones.contents import keys_of, level_voxels, node_cells
 from octolux.techniques.voxel_cones.drawing import NOTHING, Drawing, picture
 from octolux.techniques.voxel_cones.fragment_list import FragmentList
 from octolux.techniques.voxel_cones.pixel_cones import CONE_SAMPLE, PixelCones, drawn_over
@@ -71,7 +71,7 @@ def test_what_each_pixel_meets_first(device, level, nodes, perspective):
     views = VIEW.array(MAX_VIEWS)
     packed = views[0] = view.pack()[0]
     frame = SimpleNamespace(pixels=(40, 30), buffers={"views": device.uniform("views", views)})
-    number, way = Drawing(device, octree, level, nodes).met(frame)
+    met = Drawing(device, octree, level, nodes).met(frame)
     x, y = np.meshgrid(np.arange(40) + 0.5, np.arange(30) + 0.5)
     origin, towards = (
         packed[name] + x[..., None] * packed[f"{name}_dx"] + y[..., None] * packed[f"{name}_dy"]
@@ -82,18 +82,19 @@ def test_what_each_pixel_meets_first(device, level, nodes, perspective):
         ends = np.stack([(low + side - origin[..., None, :]) / towards[..., None, :] for side in (0.0, edge)])
     enters, leaves = ends.min(axis=0), ends.max(axis=0).min(axis=-1)
     into = enters.max(axis=-1)
-    met = (into < leaves) & (leaves > 0.0)
-    nearest = np.where(met, into, np.inf).argmin(axis=-1)
-    there = met.any(axis=-1)
+    cut = (into < leaves) & (leaves > 0.0)
+    nearest = np.where(cut, into, np.inf).argmin(axis=-1)
+    there = cut.any(axis=-1)
     axis = np.take_along_axis(enters, nearest[..., None, None], axis=2)[:, :, 0].argmax(axis=-1)
-    first = octree.octree.counts.levels[level][0] * (1 if nodes else 8)
     assert 0.1 < there.mean() < 0.9
-    same = np.where(there, nearest + first, NOTHING) == number
+    same = np.where(there, keys_of(np.maximum(cells, 0))[nearest], NOTHING) == met.key
     assert same.mean() > 0.99
+    far = np.take_along_axis(into, nearest[..., None], axis=2)[..., 0] * np.linalg.norm(towards, axis=-1) / edge
+    np.testing.assert_allclose(met.distance[there & same], far[there & same], rtol=1e-4, atol=1e-4)
     looks = -np.sign(np.take_along_axis(towards, axis[..., None], axis=-1)[..., 0])
-    assert (DIRECTIONS[way][there & same, axis[there & same]] == looks[there & same]).mean() > 0.99
-    shown = picture((number, way), first, np.ones((len(cells), 3)))
-    assert shown.dtype == np.float32 and np.array_equal(shown.any(axis=-1), number != NOTHING)
+    assert (DIRECTIONS[met.way][there & same, axis[there & same]] == looks[there & same]).mean() > 0.99
+    shown = picture(met, cells, np.ones((len(cells), 3)))
+    assert shown.dtype == np.float32 and np.array_equal(shown.any(axis=-1), met.key != NOTHING)
 
 
 def test_the_list_of_fragments(device):

@@ -13,10 +13,11 @@ from .structure import VOXEL, VoxelOctree
 
 VOXEL_VALUES = np.dtype([
     ("cell", np.int32, 3), ("facing", np.float32, 6), ("light", np.float32, (6, 3)), ("albedo", np.float32, 3),
-    ("emission", np.float32, 3),
+    ("emission", np.float32, 3), ("occupied", np.bool_),
 ])  # fmt: skip
 """cell: x, y, z on its level.  facing: shares of its sections that look along each of simulator/voxels/surfaces.
-DIRECTIONS.  light: what it sends each way, nits times share.  albedo, emission (nits): of voxels of level 0, else 0."""
+DIRECTIONS.  light: what it sends each way, nits times share.  albedo, emission (nits): of voxels of
+level 0 that are `occupied`, else 0."""
 
 
 def cells_of(codes: np.ndarray, log2_edge: int) -> np.ndarray:
@@ -34,6 +35,12 @@ def node_cells(octree: VoxelOctree, level: int) -> np.ndarray:
     return cells_of(octree.codes()[first : first + count], octree.depth - 1 - level)
 
 
+def level_nodes(octree: VoxelOctree) -> np.ndarray:
+    """int32 (nodes, 4): level and cell of each node, in their order."""
+    levels = range(octree.depth - 1, -1, -1)
+    return np.concatenate([np.insert(node_cells(octree, level), 0, level, axis=1) for level in levels])
+
+
 def level_voxels(octree: VoxelOctree, level: int, unit: float) -> np.ndarray:
     """VOXEL_VALUES of the voxels that nodes of a level own, (8 m,): eight of each, in the order of corners, whether
     there is anything in them or not. unit: of light, nits."""
@@ -45,6 +52,23 @@ def level_voxels(octree: VoxelOctree, level: int, unit: float) -> np.ndarray:
     if level == 0:
         _add_surfaces(octree, found)
     return found.reshape(-1)
+
+
+def merged(static: np.ndarray, moving: np.ndarray) -> np.ndarray:
+    """VOXEL_VALUES of a level of two octrees: where what moves has a node, its voxels hold all that is there, but only
+    the surfaces of what moves or is near (parts.py)."""
+    keys, made = keys_of(static["cell"]), moving.copy()
+    place = {key: number for number, key in enumerate(keys.tolist())}
+    number = np.array([place.get(key, -1) for key in keys_of(moving["cell"]).tolist()], np.int64)
+    bare = (number >= 0) & ~moving["occupied"]
+    for name in ("albedo", "emission", "occupied"):
+        made[name][bare] = static[name][number[bare]]
+    return np.concatenate([np.delete(static, number[number >= 0]), made])
+
+
+def keys_of(cells: np.ndarray) -> np.ndarray:
+    """uint32 (m,), one for each of the cells (m, 3): x | y << 10 | z << 20."""
+    return (cells << np.array([0, 10, 20])).sum(axis=1).astype(np.uint32)
 
 
 def _words(octree: VoxelOctree, buffer: Any, first: int, count: int) -> np.ndarray:
@@ -84,6 +108,7 @@ def _add_surfaces(octree: VoxelOctree, found: np.ndarray) -> None:
     there = (leaves[:, None] >> np.arange(OWN, dtype=np.uint32) & 1) == 1
     records = read_records(octree.device, octree.voxels.resource, VOXEL, octree.octree.counts.voxels)
     roots = (records["albedo"][:, None] >> np.array([0, 8, 16], np.uint32) & 255) / 255.0
+    found["occupied"] = there
     found["albedo"][there], found["emission"][there] = roots**2, octree.peak * unpack_bright(records["emission"])
 
 

@@ -1,19 +1,18 @@
-// Which cell of a level each pixel's ray meets first (Amanatides and Woo 1987): with `nodes` a node, of which the number is that
-// of the node; else a voxel in which something faces any way, 8 times its node's number and its corner. And the way that
-// the face looks through which the ray comes.
+// Which cell of a level each pixel's ray meets first (Amanatides and Woo 1987): with `nodes` that of a node, else a voxel in
+// which something faces any way. Of it x, y, z, 10 bits each; the way that the face looks through which the ray comes; and how
+// far away it is, in cells.
 {{ use("shaders/view.wgsl") }}
 {{ use("techniques/voxel_cones/octree.wgsl") }}
 
 const CELLS = {{ 2 ** (depth - level - nodes) }};
 
-fn number_of(cell: vec3u) -> u32 {
+fn is_there(cell: vec3u) -> bool {
     {% if nodes %}
-    return node_of(code_of({{ depth - 1 - level }}u, cell));
+    return node_of(code_of({{ depth - 1 - level }}u, cell)) != NO_NODE;
     {% else %}
     let node = node_of(code_of({{ depth - 1 - level }}u, cell >> vec3u(1u)));
-    let number = 8u * node + ((cell.x & 1u) | ((cell.y & 1u) << 1u) | ((cell.z & 1u) << 2u));
-    let there = node != NO_NODE && any(facing[select(number, 0u, node == NO_NODE)] != vec2u(0u));
-    return select(NO_NODE, number, there);
+    let corner = (cell.x & 1u) | ((cell.y & 1u) << 1u) | ((cell.z & 1u) << 2u);
+    return node != NO_NODE && any(facing[select(8u * node + corner, 0u, node == NO_NODE)] != vec2u(0u));
     {% endif %}
 }
 
@@ -34,15 +33,19 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var next = (vec3f(cell) + select(vec3f(0.0), vec3f(1.0), forward) - origin) / steep;
     let between = abs(1.0 / steep);
     let onward = select(vec3i(-1), vec3i(1), forward);
-    var number = NO_NODE;
+    var found = false;
+    var distance = near;
     while near < far && all(cell >= vec3i(0)) && all(cell < vec3i(CELLS)) {
-        number = number_of(vec3u(cell));
-        if number != NO_NODE { break; }
+        found = is_there(vec3u(cell));
+        if found { break; }
         axis = select(select(2u, 1u, next.y <= next.z), 0u, next.x <= min(next.y, next.z));
         let step = vec3<bool>(axis == 0u, axis == 1u, axis == 2u);
+        distance = next[axis];
         cell += select(vec3i(0), onward, step);
         next += select(vec3f(0.0), between, step);
     }
     let way = 2u * axis + u32(select(select(forward.z, forward.y, axis == 1u), forward.x, axis == 0u));
-    textureStore(met_out, id.xy, vec4u(number, way, 0u, 0u));
+    let at = vec3u(cell);
+    let key = select({{ nothing }}u, at.x | (at.y << 10u) | (at.z << 20u), found);
+    textureStore(met_out, id.xy, vec4u(key, way, bitcast<u32>(distance), 0u));
 }

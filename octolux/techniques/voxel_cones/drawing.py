@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,12 +13,23 @@ from ...gpu.bindings import storage, storage_texture, uniform
 from ...gpu.device import Device
 from ...gpu.passes import ComputePass
 from ...gpu.profiler import Profiler
+from .contents import keys_of
 from .gathering import VOXELS_OF
 from .octree import directory_binding
 from .structure import VoxelOctree
 
 NOTHING = 0xFFFFFFFF
 _SHADES = np.array([0.8, 0.8, 1.0, 0.5, 0.6, 0.6])  # of faces that look along +x, -x, +y, ...: cubes are seen as cubes
+
+
+class Met(NamedTuple):
+    """Of each pixel, (height, width): key: of the cell that it sees (contents.keys_of), NOTHING where there is none.
+    way: which of simulator/voxels/surfaces.DIRECTIONS the cell's face there looks along.  distance: from the eye,
+    in cells."""
+
+    key: np.ndarray
+    way: np.ndarray
+    distance: np.ndarray
 
 
 class Drawing:
@@ -30,15 +41,13 @@ class Drawing:
         self._draw = ComputePass(
             device, "draw voxels", "techniques/voxel_cones/draw.wgsl",
             [views_binding(), uniform("voxels_of", VOXELS_OF), directory_binding(), *facing,
-             storage_texture("met_out", "rg32uint")],
-            structs=[VIEW, VOXELS_OF], nodes=nodes, level=level, **octree.octree.values,
+             storage_texture("met_out", "rgba32uint")],
+            structs=[VIEW, VOXELS_OF], nodes=nodes, level=level, nothing=NOTHING, **octree.octree.values,
         )  # fmt: skip
 
-    def met(self, frame: Frame) -> tuple[np.ndarray, np.ndarray]:
-        """Of each pixel the number of the cell that it sees, uint32 (height, width): of the node, or 8 times its node's
-        and which of the eight voxels, NOTHING where it sees none; and which of simulator/voxels/surfaces.DIRECTIONS the
-        cell's face there looks along."""
-        out = self.device.texture("voxel views", frame.pixels, "rg32uint", usage=STORAGE | COPY)
+    def met(self, frame: Frame) -> Met:
+        """What each pixel sees."""
+        out = self.device.texture("voxel views", frame.pixels, "rgba32uint", usage=STORAGE | COPY)
         grid, profiler = self.octree.grid, Profiler(self.device, "off")
         more: dict[str, Any] = {} if self._nodes else {"facing": self.octree.bricks.facing.resource}
         with profiler.frame(), profiler.stage("draw voxels") as stage:
@@ -47,15 +56,23 @@ class Drawing:
                 voxels_of=self.device.uniform("voxel views", VOXELS_OF.pack(origin=grid.origin, size=grid.cell_size)),
                 **more,
             )  # fmt: skip
-        read = self.device.read_texture(out, np.uint32, 2)
-        return read[..., 0], read[..., 1]
+        key, way, distance = np.moveaxis(self.device.read_texture(out, np.uint32, 4)[..., :3], 2, 0)
+        return Met(key, way, np.where(key == NOTHING, np.inf, distance.copy().view(np.float32)))
 
 
-def picture(met: tuple[np.ndarray, np.ndarray], first: int, values: np.ndarray) -> np.ndarray:
-    """float32 (height, width, 3): `values` (m, 3) of the cells from number `first` on, darker on some sides; black
-    where no cell is."""
-    number, way = met
-    there = number != NOTHING
-    shown = np.zeros((*number.shape, 3), np.float32)
-    shown[there] = values[number[there] - first] * _SHADES[way[there], None]
+def nearest(of_octrees: list[Met]) -> Met:
+    """What pixels see of several octrees of one cube."""
+    first = np.argmin([met.distance for met in of_octrees], axis=0)[None]
+    fields = (np.stack([met[i] for met in of_octrees]) for i in range(len(Met._fields)))
+    return Met(*(np.take_along_axis(field, first, axis=0)[0] for field in fields))
+
+
+def picture(met: Met, cells: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """float32 (height, width, 3): of the cells (m, 3) that are seen their `values` (m, 3), darker on some sides; black
+    where there is none."""
+    there, keys = met.key != NOTHING, keys_of(cells)
+    order = np.argsort(keys)
+    shown = np.zeros((*there.shape, 3), np.float32)
+    number = order[np.searchsorted(keys, met.key[there], sorter=order)]
+    shown[there] = values[number] * _SHADES[met.way[there], None]
     return shown

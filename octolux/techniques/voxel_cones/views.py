@@ -13,8 +13,8 @@ from ...frame.frame import Frame
 from ...scene.errors import OctoluxError
 from ...simulator.voxels.surfaces import DIRECTIONS
 from ..debug_views import DebugViews, Pixel
-from .contents import level_voxels, node_cells
-from .drawing import Drawing, picture
+from .contents import keys_of, level_nodes, level_voxels, merged
+from .drawing import Drawing, nearest, picture
 from .fragment_list import FragmentList
 from .pixel_cones import PixelCones, cone_colour, drawn_over
 
@@ -58,17 +58,17 @@ class VoxelViews:
         return frame
 
     def voxels(self, level: int) -> np.ndarray:
-        """contents.VOXEL_VALUES of the level's voxels in which something faces any way."""
-        found = self._all_voxels(level)
+        """contents.VOXEL_VALUES of the level's voxels in which something faces any way, static or moving."""
+        _ = self._frame
+        unit = self._technique.injection.unit
+        static, *moving = (level_voxels(octree, level, unit) for octree in self._technique.parts.octrees)
+        found = merged(static, *moving) if moving else static
         return found[found["facing"].any(axis=1)]
 
     def drawn_voxels(self, level: int, value: str) -> np.ndarray:
         """The level's voxels as the camera sees them. Light and emission are exposed as the picture is."""
-        return self._draw(level, self._shown(self._all_voxels(level), value), nodes=False)
-
-    def _all_voxels(self, level: int) -> np.ndarray:
-        _ = self._frame
-        return level_voxels(self._technique.octree, level, self._technique.injection.unit)
+        found = self.voxels(level)
+        return self._draw(level, found["cell"], self._shown(found, value), nodes=False)
 
     def _shown(self, found: np.ndarray, value: str) -> np.ndarray:
         """Colours (m, 3)."""
@@ -87,11 +87,11 @@ class VoxelViews:
             return np.repeat(facing[:, way, None], 3, axis=1)
         return exposure * found["light"][:, way]
 
-    def _draw(self, level: int, values: np.ndarray, nodes: bool) -> np.ndarray:
-        octree, frame = self._technique.octree, self._frame
-        first = octree.octree.counts.levels[level][0]
-        met = Drawing(self._technique.device, octree, level, nodes).met(frame)
-        return picture(met, first if nodes else 8 * first, np.clip(values, 0.0, 1.0))
+    def _draw(self, level: int, cells: np.ndarray, values: np.ndarray, nodes: bool) -> np.ndarray:
+        """Of cells (m, 3) their values (m, 3)."""
+        frame, device = self._frame, self._technique.device
+        met = [Drawing(device, octree, level, nodes).met(frame) for octree in self._technique.parts.octrees]
+        return picture(nearest(met), cells, np.clip(values, 0.0, 1.0))
 
     def fragments(self) -> np.ndarray:
         """fragment_list.FRAGMENT of all that is drawn."""
@@ -104,39 +104,31 @@ class VoxelViews:
         counts = np.zeros((n, n, n), np.int64)
         np.add.at(counts, tuple(self.fragments()["voxel"].T), 1)
         steps = np.log2(2.0 * np.maximum(counts, 1))
-        x, y, z = self._all_voxels(0)["cell"].T
-        shown = (steps / steps.max())[x, y, z]
-        return self._draw(0, np.repeat(shown[:, None], 3, axis=1), nodes=False)
+        cells = self.voxels(0)["cell"]
+        shown = (steps / steps.max())[tuple(cells.T)]
+        return self._draw(0, cells, np.repeat(shown[:, None], 3, axis=1), nodes=False)
 
     def nodes(self) -> np.ndarray:
-        """int32 (m, 4), of all nodes in their order: level, and the cell x, y, z of 2^3 of its voxels."""
+        """int32 (m, 4), of all nodes: level, and the cell x, y, z of 2^3 of its voxels; the coarsest first."""
         _ = self._frame
-        return np.concatenate([self._level_nodes(level) for level in range(self._technique.octree.depth)][::-1])
-
-    def _level_nodes(self, level: int) -> np.ndarray:
-        return np.insert(node_cells(self._technique.octree, level), 0, level, axis=1)
-
-    def drawn_nodes(self, level: int) -> np.ndarray:
-        """Each in another colour."""
-        count = self._technique.octree.octree.counts.levels[level][1] if self._frame else 0
-        return self._draw(level, np.array([cone_colour(i) for i in range(count)]).reshape(-1, 3), nodes=True)
+        return _rows([level_nodes(octree) for octree in self._technique.parts.octrees])
 
     def updates(self) -> np.ndarray:
         """The rows of `nodes` whose bricks the last frame made anew (VCT 5.5: the update list)."""
-        return self.nodes()[self._updated()]
+        _ = self._frame
+        return _rows([level_nodes(one)[one.filtering.updated_nodes()] for one in self._technique.parts.octrees])
 
-    def _updated(self) -> np.ndarray:
-        """bool, of each node."""
-        octree, made = self._technique.octree, np.zeros(self._technique.octree.octree.counts.nodes, bool)
-        made[octree.filtering.updated_nodes()] = True
-        return made
+    def drawn_nodes(self, level: int) -> np.ndarray:
+        """Each in another colour."""
+        cells = _of_level(self.nodes(), level)
+        colours = np.array([cone_colour(i) for i in range(len(cells))]).reshape(-1, 3)
+        return self._draw(level, cells, colours, nodes=True)
 
     def drawn_updates(self, level: int) -> np.ndarray:
         """Nodes made anew are orange."""
-        _ = self._frame
-        first, count = self._technique.octree.octree.counts.levels[level]
-        made = self._updated()[first : first + count, None]
-        return self._draw(level, np.where(made, _UPDATED, _KEPT), nodes=True)
+        cells, updated = (_of_level(rows, level) for rows in (self.nodes(), self.updates()))
+        values = np.where(np.isin(keys_of(cells), keys_of(updated))[:, None], _UPDATED, _KEPT)
+        return self._draw(level, cells, values, nodes=True)
 
     def visibility(self) -> np.ndarray:
         """Ambient visibility: the share of each pixel's diffuse cones that meets nothing."""
@@ -163,3 +155,13 @@ class VoxelViews:
         radiance = self._technique.device.read_texture(frame.targets.radiance, np.float32, 4)[..., :3]
         exposed = np.clip(radiance * np.float32(frame.exposure_factor), 0.0, 1.0)
         return drawn_over(exposed, samples, frame.views[0], self._technique.octree.grid, frame.exposure_factor)
+
+
+def _rows(parts: list[np.ndarray]) -> np.ndarray:
+    """Each row of (m, 4) once, the highest levels first."""
+    rows = np.unique(np.concatenate(parts), axis=0)
+    return rows[np.argsort(-rows[:, 0], kind="stable")]
+
+
+def _of_level(rows: np.ndarray, level: int) -> np.ndarray:
+    return rows[rows[:, 0] == level, 1:]
