@@ -1,6 +1,7 @@
-"""`python -m benchmarks [NAME ...] [--json FILE] [--list]`: measure figures and print them beside their bounds.
+"""`python -m benchmarks [NAME ...]`: measure figures and print them beside their bounds.
 
-`python -m benchmarks comparison` has options of its own and prints a table by views and techniques.
+`--list` names them; `--json FILE` and `--markdown FILE` write them, too. `python -m benchmarks comparison` has options
+of its own and prints a table by views and techniques.
 """
 
 from __future__ import annotations
@@ -14,10 +15,10 @@ from pathlib import Path
 
 from octolux.scene.errors import OctoluxError
 
-from . import comparison_command
+from . import comparison_command, written_tables
 from .lab import device
 from .registry import Bound, Figure, Row, load_all, select
-from .tables import aligned
+from .tables import aligned, markdown
 
 _VERDICT = {True: "holds", False: "FAILS", None: "-"}
 
@@ -26,6 +27,7 @@ def _arguments(words: Sequence[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", help="figures or groups; all by default")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows as JSON too")
+    parser.add_argument("--markdown", type=Path, metavar="FILE", help="write the table as Markdown too")
     parser.add_argument("--list", action="store_true", help="name the figures and measure nothing")
     return parser.parse_args(words)
 
@@ -43,8 +45,12 @@ def listing(figures: Sequence[Figure]) -> str:
 
 def table(rows: Sequence[Row]) -> str:
     """The rows as text: name, value, unit, bound, holds."""
+    return aligned(_cells(rows))
+
+
+def _cells(rows: Sequence[Row]) -> list[tuple[str, ...]]:
     lines = [(r.name, _value(r), r.unit, r.bound or "-", _VERDICT[r.holds]) for r in rows]
-    return aligned([("figure", "value", "unit", "bound", "holds"), *lines])
+    return [("figure", "value", "unit", "bound", "holds"), *lines]
 
 
 def _value(row: Row) -> str:
@@ -78,8 +84,7 @@ def main(words: Sequence[str] | None = None) -> int:
         if arguments.list:
             print(listing(figures))
             return 0
-        if arguments.json and not arguments.json.resolve().parent.is_dir():
-            raise OctoluxError(f"{arguments.json}: there is no folder '{arguments.json.parent}'. Make it first.")
+        written_tables.check(arguments)
         adapter = device().adapter_name
     except OctoluxError as error:
         print(f"error: {error}", file=sys.stderr)
@@ -88,6 +93,8 @@ def main(words: Sequence[str] | None = None) -> int:
     print(f"adapter: {adapter}\n\n{table(rows)}")
     if arguments.json:
         write_json(rows, adapter, arguments.json)
+    if arguments.markdown:
+        arguments.markdown.write_text(markdown(_cells(rows)) + "\n", encoding="utf-8")
     failed = [row.name for row in rows if row.holds is False]
     print(f"\n{len(failed)} bounds do not hold: {', '.join(failed)}" if failed else "\nall bounds hold")
     return 1 if failed else 0

@@ -16,9 +16,11 @@ from octolux.scene.scene import Scene
 
 from . import scenes_on_disk
 from . import vct_thesis as thesis
+from .comparison_set import VIEWS, scene_of
 from .crytek_child import MAPS
 from .lab import device
 from .registry import aim, at_least, at_most, figure
+from .stages import interleaved_stages
 from .vct_frames import PLACES, TECHNIQUE, built, lit, maps
 
 PARTS = 10
@@ -96,6 +98,21 @@ def _renderer(scene: Scene) -> Renderer:
 def _ratio(first: list[dict[str, float]], second: list[dict[str, float]], stages: tuple[str, ...]) -> float:
     a, b = ([sum(frame[stage] for stage in stages) for frame in frames] for frames in (first, second))
     return statistics.median(x / y for x, y in zip(a, b, strict=True))
+
+
+BESIDE = ("voxel-cones", "voxel-cones:fast", "cascaded-lpv", "octree-lpv")
+
+
+@figure("vct_beside", group="vct", unit="x")
+def vct_beside() -> dict[str, float]:
+    """Frames of the atrium and of Crytek Sponza under three lamps at 640x360, in which nothing moves, over those of
+    cascaded-lpv: medians of frames that take turns."""
+    found = {}
+    for view in (VIEWS["atrium"], VIEWS["crytek_lamps"]):
+        times = interleaved_stages(scene_of(view), view.camera, BESIDE, (640, 360), ROUNDS)
+        whole = times["cascaded-lpv"]["frame"]
+        found |= {f"{view.name}.{text}": stages["frame"] / whole for text, stages in times.items()}
+    return found
 
 
 def _under_a_sun(number: int) -> Scene:

@@ -100,8 +100,9 @@ def test_an_unknown_name_suggests_the_nearest(capsys):
 def test_exit_code_table_and_json(figures, capsys, tmp_path):
     figure("good", group="g", unit="x", bound=at_most(1.0))(lambda: 0.5)
     figure("far", group="g", bound=aim("1"))(lambda: 9.0)
-    file = tmp_path / "figures.json"
-    assert main(["--json", str(file)]) == 0
+    file, page = tmp_path / "figures.json", tmp_path / "figures.md"
+    assert main(["--json", str(file), "--markdown", str(page)]) == 0
+    assert "| good | 0.5 | x | <= 1 | holds |" in page.read_text(encoding="utf-8")
     data = json.loads(file.read_text(encoding="utf-8"))
     assert data["figures"][0] == {
         "name": "good", "group": "g", "value": 0.5, "unit": "x", "bound": "<= 1", "holds": True, "problem": ""
