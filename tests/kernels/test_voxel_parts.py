@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from gpu_tools import random_directions, scene_of
@@ -36,7 +34,7 @@ def test_parts_read_as_one_octree(device, depth, size, apart):
         gpu_scene.sync(scene)
         parts.prepare(gpu_scene)
         with profiler.frame():
-            parts.build(SimpleNamespace(gpu_scene=gpu_scene, profiler=profiler))
+            parts.build(profiler, gpu_scene)
         assert len(parts.octrees) == (2 if moves else 1)
         whole = built(device, scene, parts.static.grid)
         for level in range(depth):

@@ -6,6 +6,7 @@ fn dominant_axis(normal: vec3f) -> u32 {
 }
 
 fn turned(p: vec3f, axis: u32) -> vec3f { return select(select(p, p.zxy, axis == 1u), p.yzx, axis == 0u); }
+fn turned_integers(p: vec3i, axis: u32) -> vec3i { return select(select(p, p.zxy, axis == 1u), p.yzx, axis == 0u); }
 fn turned_back(p: vec3i, axis: u32) -> vec3i { return select(select(p, p.yzx, axis == 1u), p.zxy, axis == 0u); }
 
 fn to_voxels(p: vec3f) -> vec3f { return (p - cube.low) * cube.scale; }

@@ -22,8 +22,10 @@ fn columns_of(t: Projected) -> Columns {
     let high = t.origin.xy + max(max(t.e1.xy, t.e2.xy), vec2f(0.0));
     // The first and the last of the samples that lie in the triangle's box.
     let aside = vec2f({{ 0.5 / samples + aside[0] }}, {{ 0.5 / samples + aside[1] }});
-    let first = max(vec2i(ceil({{ samples }}.0 * (low - aside))), vec2i(0));
-    let last = min(vec2i(floor({{ samples }}.0 * (high - aside))), vec2i({{ samples * n - 1 }}));
+    let from_column = turned_integers(cube.begin, t.axis).xy;
+    let to_column = turned_integers(cube.last, t.axis).xy;
+    let first = max(vec2i(ceil({{ samples }}.0 * (low - aside))), {{ samples }} * from_column);
+    let last = min(vec2i(floor({{ samples }}.0 * (high - aside))), {{ samples }} * to_column + {{ samples - 1 }});
     let size = max(last / {{ samples }} - first / {{ samples }} + 1, vec2i(0));
     let some = all(last >= first) && t.normal.z != 0.0;
     return Columns(first / {{ samples }}, select(vec2u(0u), vec2u(size), some));

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...frame.frame import Frame
 from ...gpu.device import Device
+from ...gpu.profiler import Profiler
 from ...gpu_scene.gpu_scene import GpuScene
 from ...raytracing.bvh import triangle_ids
 from ...simulator.grid import Grid
@@ -53,10 +53,9 @@ class Parts:
         self._moving_of = None
         return True
 
-    def build(self, frame: Frame) -> bool:
+    def build(self, profiler: Profiler, scene: GpuScene) -> bool:
         """Build what is not as the scene is; returns whether that of what is static was. Raises DeviceError when there
         is no room."""
-        scene = frame.gpu_scene
         changed = scene.has_changed[scene.drawn.item_instance]
         if self._box:
             grid = around(*self._box, self.static.depth)
@@ -66,14 +65,17 @@ class Parts:
         new = key != self._static_of
         if new:
             self._static_of = None  # a build that fails leaves none
-            self.static.build(frame.profiler, scene, grid, ids=triangle_ids(scene, ~changed))
+            self.static.build(profiler, scene, grid, ids=triangle_ids(scene, ~changed))
             self._static_of = key
         if self.moving and self._moving_of != (key, scene.moves):
             self._moving_of = None
-            near = _near(scene, changed, _REACH * grid.cell_size)
+            reach = _REACH * grid.cell_size
+            low, high = (side[changed] for side in scene.item_boxes)
             self.moving.build(
-                frame.profiler, scene, grid, ids=triangle_ids(scene, changed), near=triangle_ids(scene, near)
-            )
+                profiler, scene, grid, ids=triangle_ids(scene, changed),
+                near=triangle_ids(scene, _near(scene, changed, reach)),
+                region=(low.min(axis=0) - reach, high.max(axis=0) + reach),
+            )  # fmt: skip
             self._moving_of = (key, scene.moves)
         return new
 

@@ -20,7 +20,7 @@ from .bricks import Bricks
 from .filtering import Filtering
 from .octree import LABEL, Octree, directory_binding
 from .pools import OWN, ROW, WORKGROUP, Pool, parameters, threads
-from .voxeliser import CUBE, EMISSION_LAYER, LAYER, Triangles, Voxeliser
+from .voxeliser import CUBE, EMISSION_LAYER, LAYER, Region, Triangles, Voxeliser
 
 # What is known of the surfaces in a voxel of level 0; voxel.wgsl packs it.
 VOXEL = Struct("Voxel", albedo="u32", facing_up="u32", facing_down="u32", emission="u32")
@@ -81,18 +81,19 @@ class VoxelOctree:
 
     def build(
         self, profiler: Profiler, scene: GpuScene, grid: Grid, peak: float = 0.0, ids: np.ndarray | None = None,
-        near: np.ndarray | None = None,
+        near: np.ndarray | None = None, region: Region | None = None,
     ) -> None:  # fmt: skip
         """Build it anew in the voxels of `grid`, 2^depth along each side. Inside a frame of `profiler`; the host waits
         three times. ids: uint32, which triangles (`triangle_ids`), by default all that is drawn of `scene`.  near:
-        uint32, for what moves: which triangles of what is static may lie in nodes of level 0 with `ids`.
+        uint32, for what moves: which triangles of what is static may lie in nodes of level 0 with `ids`.  region: a box
+        that holds all fragments of these nodes.
 
         Raises DeviceError when the scene needs more nodes than there can be, ValueError for another grid.
         """
         if grid.n != 1 << self.depth:
             raise ValueError(f"an octree of depth {self.depth} has {1 << self.depth} voxels a side, not {grid.n}")
         self.grid, self.peak = grid, peak
-        cube, occupied = self._voxeliser.cube(grid, peak), self.octree.occupied()
+        cube, occupied = self._voxeliser.cube(grid, peak, region), self.octree.occupied()
         first = triangle_ids(scene) if ids is None else ids
         both = first if near is None else np.concatenate([first, near])
         triangles = self._voxeliser.triangles(profiler, scene, both, cube)
@@ -104,7 +105,7 @@ class VoxelOctree:
         self._cube = self._voxeliser.cube(grid, peak, first_leaf=counts.levels[0][0])
         with profiler.stage("voxels") as stage:
             self.bricks.make_room(stage)
-            self._sum(stage, scene, triangles)
+            self._sum(stage, scene, triangles, region)
         with profiler.stage("averaging") as stage:
             self.bricks.average(stage)
         self.bricks.number(profiler)
@@ -113,7 +114,7 @@ class VoxelOctree:
             self.filtering.surfaces(stage)
             self.filtering.everything(stage)
 
-    def _sum(self, stage: Any, scene: GpuScene, triangles: Triangles) -> None:
+    def _sum(self, stage: Any, scene: GpuScene, triangles: Triangles, region: Region | None) -> None:
         """As many voxels at a time as there is room for sums."""
         counts, size = self.octree.counts, 4 * self._voxeliser.words_of(scene.has_emission)
         room = max(1, min(counts.voxels, _SUMS_BYTES // size))
@@ -121,7 +122,7 @@ class VoxelOctree:
         first_leaf, leaves = counts.levels[0]
         beside = self.static.leaf_resources("static_") if self.static else {}
         for first in range(0, counts.voxels, room):
-            cube = self._voxeliser.cube(self.grid, self.peak, first, room, first_leaf)
+            cube = self._voxeliser.cube(self.grid, self.peak, region, first, room, first_leaf)
             stage.encoder.clear_buffer(sums)
             self._voxeliser.accumulate(stage, scene, triangles, cube, sums, **beside)
             self._surfaces[scene.has_emission].run(

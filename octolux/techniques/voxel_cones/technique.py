@@ -77,7 +77,7 @@ class VoxelCones(Technique):
 
     def update(self, frame: Frame) -> None:
         self.frame = frame
-        new = self.parts.build(frame)
+        new = self.parts.build(frame.profiler, frame.gpu_scene)
         with frame.profiler.stage("injection") as stage:
             changed = [injection.run(stage, frame) for injection in self.injections]
         self._filter(frame, everything=new or changed[0] or bool(self.bounces))

@@ -25,11 +25,14 @@ from ...simulator.voxels.fragments import BIAS, SAMPLES
 from .octree import Octree, directory_binding
 from .pools import ROW, WORKGROUP, parameters, threads
 
+Region = tuple[np.ndarray, np.ndarray]
+"""Lowest and highest corner of a box, float64 (3,), m."""
 TILE = 4  # columns along the edge of what one thread has of a triangle
 # The cube of voxels: low, m; voxels to a metre; and of the voxels that are summed the first, and for how many there is
-# room. emission_scale: from nits to the sums' unit.
+# room. emission_scale: from nits to the sums' unit.  begin, last: of the columns in which fragments are sought.
 CUBE = Struct(
-    "Cube", low="vec3f", scale="f32", first="u32", room="u32", first_leaf="u32", emission_scale="f32",
+    "Cube", low="vec3f", scale="f32", begin="vec3i", first="u32", last="vec3i", room="u32", first_leaf="u32",
+    emission_scale="f32",
 )  # fmt: skip
 LAYER = 1 << 12
 """What a surface that covers all of a voxel's section adds to sums: 2^20 layers fit into 32 bits, and a sixteenth of
@@ -94,11 +97,15 @@ class Voxeliser:
             near=near, **self._fixed,
         )  # fmt: skip
 
-    def cube(self, grid: Grid, peak: float, first: int = 0, room: int = 0, first_leaf: int = 0) -> Any:
-        """A uniform buffer of CUBE. peak: the scene's brightest emission, nits."""
+    def cube(
+        self, grid: Grid, peak: float, region: Region | None = None, first: int = 0, room: int = 0, first_leaf: int = 0
+    ) -> Any:  # fmt: skip
+        """A uniform buffer of CUBE. peak: the scene's brightest emission, nits.  region: m, by default the cube."""
         scale = EMISSION_LAYER / LAYER / peak if peak > 0.0 else 0.0
+        sides = [np.clip(np.floor(grid.to_cells(side)), 0, grid.n - 1) for side in region or ()]
+        begin, last = sides or ((0,) * 3, (grid.n - 1,) * 3)
         packed = CUBE.pack(low=grid.origin, scale=1.0 / grid.cell_size, first=first, room=room, first_leaf=first_leaf,
-                           emission_scale=scale)  # fmt: skip
+                           emission_scale=scale, begin=begin, last=last)  # fmt: skip
         return self.device.uniform("voxel build", packed)
 
     def triangles(self, profiler: Profiler, scene: GpuScene, ids: np.ndarray, cube: Any) -> Triangles:
