@@ -81,6 +81,22 @@ def test_nodes_and_updates(device):
     assert nodes[0].tolist() == [6, 0, 0, 0] and (nodes[:, 1:].max(axis=1) < 2 ** (6 - nodes[:, 0])).all()
 
 
+def test_nodes_are_shown_on_the_surfaces_in_them(device):
+    """Every surface has a node, and pixels of one node one hue: but for those within rounding of a cell's face."""
+    made = renderer(device, load_scene("cornell-box"))
+    picture, grid = made.render(), technique(made).octree.grid
+    at = (picture.layers["position"] - np.array(grid.origin)) / (8.0 * grid.cell_size)
+    clear = picture.mask & (np.abs(at - np.round(at)) > 1e-4).all(axis=-1)
+    drawn = made.technique.debug_views()["nodes:2"]
+    assert clear.sum() > 200 and drawn[clear].any(axis=-1).all() and not drawn[~picture.mask].any()
+    hues = drawn / np.maximum(drawn.max(axis=-1, keepdims=True), 1e-6)
+    cells = np.floor(at).astype(int)
+    of_cell = {tuple(cell): hues[y, x] for (y, x), cell in zip(np.argwhere(clear), cells[clear], strict=True)}
+    expected = np.array([of_cell[tuple(cell)] for cell in cells[clear]])
+    np.testing.assert_allclose(hues[clear], expected, atol=1e-6)
+    assert len(np.unique(np.round(expected, 4), axis=0)) == len(of_cell) > 20
+
+
 def test_cones_of_a_pixel_by_its_name(box):
     _, views = box
     middle, there = views["cones"], views[f"cones:{SIZE[0] // 2}:{SIZE[1] // 2}"]

@@ -20,7 +20,7 @@ from octolux.simulator.voxels.cones import PHASES, Plane, above, basis, diffuse_
 from octolux.simulator.voxels.fragments import fragments
 from octolux.simulator.voxels.pyramid import facing_levels, intensity_levels
 from octolux.simulator.voxels.surfaces import DIRECTIONS
-from octolux.techniques.voxel_cones.contents import keys_of, level_voxels, node_cells
+from octolux.techniques.voxel_cones.contents import keys_of, level_voxels
 from octolux.techniques.voxel_cones.drawing import NOTHING, Drawing, picture
 from octolux.techniques.voxel_cones.fragment_list import FragmentList
 from octolux.techniques.voxel_cones.pixel_cones import CONE_SAMPLE, PixelCones, drawn_over
@@ -54,16 +54,14 @@ def test_voxels_of_every_level(device):
 
 
 @pytest.mark.parametrize("perspective", [True, False])
-@pytest.mark.parametrize(("level", "nodes"), [(0, False), (2, False), (1, True)])
-def test_what_each_pixel_meets_first(device, level, nodes, perspective):
+@pytest.mark.parametrize("level", [0, 2])
+def test_what_each_pixel_meets_first(device, level, perspective):
     """Against all cells' boxes cut by all rays, which may differ where a ray grazes an edge."""
     grid = grid_of(4)
     octree = built(device, random_scene(grid, 40, 5.0, 42)[0], grid)
-    cells = node_cells(octree, level)
-    if not nodes:
-        found = level_voxels(octree, level, 1.0)
-        cells = np.where(found["facing"].any(axis=1, keepdims=True), found["cell"], -100)
-    edge = grid.cell_size * 2.0 ** (level + nodes)
+    found = level_voxels(octree, level, 1.0)
+    cells = found["cell"][found["facing"].any(axis=1)]
+    edge = grid.cell_size * 2.0**level
     middle = np.array(grid.origin) + 0.5 * grid.n * grid.cell_size
     camera = Camera.look_at(middle + np.array([0.9, 0.7, 1.3]), middle, vertical_fov=0.9)
     camera = camera if perspective else Camera(transform=camera.transform, orthographic_height=1.2)
@@ -71,7 +69,7 @@ def test_what_each_pixel_meets_first(device, level, nodes, perspective):
     views = VIEW.array(MAX_VIEWS)
     packed = views[0] = view.pack()[0]
     frame = SimpleNamespace(pixels=(40, 30), buffers={"views": device.uniform("views", views)})
-    met = Drawing(device, octree, level, nodes).met(frame)
+    met = Drawing(device, octree, level).met(frame)
     x, y = np.meshgrid(np.arange(40) + 0.5, np.arange(30) + 0.5)
     origin, towards = (
         packed[name] + x[..., None] * packed[f"{name}_dx"] + y[..., None] * packed[f"{name}_dy"]
@@ -87,7 +85,7 @@ def test_what_each_pixel_meets_first(device, level, nodes, perspective):
     there = cut.any(axis=-1)
     axis = np.take_along_axis(enters, nearest[..., None, None], axis=2)[:, :, 0].argmax(axis=-1)
     assert 0.1 < there.mean() < 0.9
-    same = np.where(there, keys_of(np.maximum(cells, 0))[nearest], NOTHING) == met.key
+    same = np.where(there, keys_of(cells)[nearest], NOTHING) == met.key
     assert same.mean() > 0.99
     far = np.take_along_axis(into, nearest[..., None], axis=2)[..., 0] * np.linalg.norm(towards, axis=-1) / edge
     np.testing.assert_allclose(met.distance[there & same], far[there & same], rtol=1e-4, atol=1e-4)

@@ -1,26 +1,21 @@
-// Which cell of a level each pixel's ray meets first (Amanatides and Woo 1987): with `nodes` that of a node, else a voxel in
-// which something faces any way. Of it x, y, z, 10 bits each; the way that the face looks through which the ray comes; and how
-// far away it is, in cells.
+// Which voxel of a level, in which something faces any way, each pixel's ray meets first (Amanatides and Woo 1987): x, y, z, 10
+// bits each; the way that the face looks through which the ray comes; and how far away it is, in voxels of the level.
 {{ use("shaders/view.wgsl") }}
 {{ use("techniques/voxel_cones/octree.wgsl") }}
 
-const CELLS = {{ 2 ** (depth - level - nodes) }};
+const CELLS = {{ 2 ** (depth - level) }};
 
 fn is_there(cell: vec3u) -> bool {
-    {% if nodes %}
-    return node_of(code_of({{ depth - 1 - level }}u, cell)) != NO_NODE;
-    {% else %}
     let node = node_of(code_of({{ depth - 1 - level }}u, cell >> vec3u(1u)));
     let corner = (cell.x & 1u) | ((cell.y & 1u) << 1u) | ((cell.z & 1u) << 2u);
     return node != NO_NODE && any(facing[select(8u * node + corner, 0u, node == NO_NODE)] != vec2u(0u));
-    {% endif %}
 }
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= textureDimensions(met_out)) { return; }
     let ray = view_ray(views[0], vec2f(id.xy) + 0.5);
-    let origin = (ray.origin - voxels_of.origin) / (voxels_of.size * {{ 2 ** (level + nodes) }}.0);
+    let origin = (ray.origin - voxels_of.origin) / (voxels_of.size * {{ 2 ** level }}.0);
     let towards = normalize(ray.direction);
     let steep = select(vec3f(1e-12), towards, abs(towards) > vec3f(1e-12));
     let forward = steep > vec3f(0.0);

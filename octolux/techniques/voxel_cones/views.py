@@ -11,10 +11,11 @@ import numpy as np
 
 from ...frame.frame import Frame
 from ...scene.errors import OctoluxError
+from ...simulator.grid import Grid
 from ...simulator.voxels.surfaces import DIRECTIONS
 from ..debug_views import DebugViews, Pixel
 from .contents import keys_of, level_nodes, level_voxels, merged
-from .drawing import Drawing, nearest, picture
+from .drawing import Drawing, nearest, picture, surface_cells
 from .fragment_list import FragmentList
 from .pixel_cones import PixelCones, cone_colour, drawn_over
 
@@ -68,7 +69,7 @@ class VoxelViews:
     def drawn_voxels(self, level: int, value: str) -> np.ndarray:
         """The level's voxels as the camera sees them. Light and emission are exposed as the picture is."""
         found = self.voxels(level)
-        return self._draw(level, found["cell"], self._shown(found, value), nodes=False)
+        return self._draw(level, found["cell"], self._shown(found, value))
 
     def _shown(self, found: np.ndarray, value: str) -> np.ndarray:
         """Colours (m, 3)."""
@@ -87,10 +88,10 @@ class VoxelViews:
             return np.repeat(facing[:, way, None], 3, axis=1)
         return exposure * found["light"][:, way]
 
-    def _draw(self, level: int, cells: np.ndarray, values: np.ndarray, nodes: bool) -> np.ndarray:
-        """Of cells (m, 3) their values (m, 3)."""
+    def _draw(self, level: int, cells: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Of voxels (m, 3) of a level their values (m, 3)."""
         frame, device = self._frame, self._technique.device
-        met = [Drawing(device, octree, level, nodes).met(frame) for octree in self._technique.parts.octrees]
+        met = [Drawing(device, octree, level).met(frame) for octree in self._technique.parts.octrees]
         return picture(nearest(met), cells, np.clip(values, 0.0, 1.0))
 
     def fragments(self) -> np.ndarray:
@@ -106,7 +107,7 @@ class VoxelViews:
         steps = np.log2(2.0 * np.maximum(counts, 1))
         cells = self.voxels(0)["cell"]
         shown = (steps / steps.max())[tuple(cells.T)]
-        return self._draw(0, cells, np.repeat(shown[:, None], 3, axis=1), nodes=False)
+        return self._draw(0, cells, np.repeat(shown[:, None], 3, axis=1))
 
     def nodes(self) -> np.ndarray:
         """int32 (m, 4), of all nodes: level, and the cell x, y, z of 2^3 of its voxels; the coarsest first."""
@@ -119,16 +120,21 @@ class VoxelViews:
         return _rows([level_nodes(one)[one.filtering.updated_nodes()] for one in self._technique.parts.octrees])
 
     def drawn_nodes(self, level: int) -> np.ndarray:
-        """Each in another colour."""
+        """Surfaces, of each node in another colour."""
         cells = _of_level(self.nodes(), level)
-        colours = np.array([cone_colour(i) for i in range(len(cells))]).reshape(-1, 3)
-        return self._draw(level, cells, colours, nodes=True)
+        return self._on_surfaces(level, cells, np.array([cone_colour(i) for i in range(len(cells))]).reshape(-1, 3))
 
     def drawn_updates(self, level: int) -> np.ndarray:
-        """Nodes made anew are orange."""
+        """Surfaces are orange where the level's nodes were made anew."""
         cells, updated = (_of_level(rows, level) for rows in (self.nodes(), self.updates()))
         values = np.where(np.isin(keys_of(cells), keys_of(updated))[:, None], _UPDATED, _KEPT)
-        return self._draw(level, cells, values, nodes=True)
+        return self._on_surfaces(level, cells, values)
+
+    def _on_surfaces(self, level: int, cells: np.ndarray, values: np.ndarray) -> np.ndarray:
+        """Values (m, 3) of a level's nodes, of cells (m, 3), on what is seen (VCT C.2: voxel-fragment colour mode)."""
+        grid = self._technique.octree.grid
+        of_nodes = Grid(grid.origin, grid.cell_size * 2.0 ** (level + 1), grid.n >> (level + 1))
+        return picture(surface_cells(self._technique.device, self._frame, of_nodes), cells, values)
 
     def visibility(self) -> np.ndarray:
         """Ambient visibility: the share of each pixel's diffuse cones that meets nothing."""
