@@ -151,4 +151,4 @@ def test_techniques_as_json(run):
             assert setting["meaning"]
             assert setting["cost"]
             assert setting["source"]
-            assert set(setting["allowed"]) in ({"one_of"}, {"from", "to"})
+            assert set(setting["allowed"]) in ({"one_of"}, {"from", "to"}, {"form"})
