@@ -31,6 +31,7 @@ app = typer.Typer(
     no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, rich_markup_mode=None,
 )  # fmt: skip
 _WIDEST = 2000  # characters of a line of `info`
+_LIST = ["list"]  # what --debug is given to say what there is
 _INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 
 
@@ -110,9 +111,7 @@ def render(
     plan = _plan(out, frames, fps, size, options, resume)
     if stats:
         check_writable(stats, [".json"])
-    wanted = None if debug == ["list"] else debug_files(debug)
-    if wanted and resume:
-        raise OctoluxError("--debug shows what the last frame leaves, which --resume may not render. Leave one out.")
+    views = [] if debug == _LIST else debug_files(debug, resume)
     from .scene.load import load_scene
     from .sequence import Timeline
 
@@ -130,15 +129,14 @@ def render(
         technique=technique, settings=settings, size=plan.size, exposure=exposure, anti_aliasing=anti_aliasing,
         sequence=plan.filtered, tone_map=tone_map, transparent=alpha, default_light=default_light,
     )  # fmt: skip
-    views = renderer.technique.debug_views()
-    if wanted is None:
-        for line in views.lines() or ["this technique has no debug views"]:
+    if debug == _LIST:
+        for line in renderer.technique.debug_views().lines() or ["this technique has no debug views"]:
             console.out.print(line, markup=False, soft_wrap=True)
         return
-    for name, _ in wanted:
-        views.maker(name)  # raises where there is none
+    for name, _ in views:
+        renderer.technique.debug_views().maker(name)  # raises where there is none
     _make(plan, Timeline(renderer, loaded, fps, first=plan.frames[0], camera=camera, clip=clip), stats)
-    for name, path in wanted:
+    for name, path in views:
         write_view(renderer.technique.debug_views()[name], path)
         console.out.print(f"wrote {path}", markup=False, soft_wrap=True)
 

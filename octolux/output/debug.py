@@ -18,9 +18,12 @@ from .atomic import replacing
 _FORMATS = (".png", ".npz")
 
 
-def debug_files(pairs: Sequence[str]) -> list[tuple[str, Path]]:
-    """The files that `NAME=FILE` name. Raises OctoluxError before there is anything to write."""
+def debug_files(pairs: Sequence[str], resume: bool) -> list[tuple[str, Path]]:
+    """The files that `NAME=FILE` name. Raises OctoluxError before there is anything to write; so where a sequence is
+    resumed, of which the last frame may not be rendered."""
     found = []
+    if pairs and resume:
+        raise OctoluxError("--debug shows what the last frame leaves, which --resume may not render. Leave one out.")
     for pair in pairs:
         name, equals, path = pair.partition("=")
         if not equals:

@@ -11,6 +11,7 @@ from test_voxel_cones_motion import room
 from test_voxel_cones_pictures import FLOOR, PAINT, SIZE, from_above, renderer, spot, technique
 
 from octolux.scene.errors import OctoluxError
+from octolux.scene.lights import DirectionalLight
 from octolux.scene.load import load_scene
 from octolux.techniques.debug_views import is_picture
 from octolux.techniques.voxel_cones.views import WAYS
@@ -104,6 +105,20 @@ def test_cones_of_a_pixel_by_its_name(box):
     for name, message in (("cones:32:3", "0:0 to 31:23, not 32:3"), ("cones:0:0", "0:0 sees no surface")):
         with pytest.raises(OctoluxError, match=message):
             views[name]
+
+
+def test_where_light_of_lobes_comes_from(device):
+    """Of a floor under a sun straight overhead: up, and all of it. Axial voxels do not know."""
+    scene = scene_of([FLOOR], [PAINT], lights=[DirectionalLight(direction=(0.0, -1.0, 0.0), illuminance=(1.0,) * 3)])
+    made, camera = renderer(device, scene, representation="lobes"), from_above(2.0, 1.0)
+    made.render(camera)
+    views = made.technique.debug_views()
+    found = views["voxels:1"]
+    lit = found["light"].any(axis=(1, 2))
+    # A moment has 8 bits of its largest part.
+    np.testing.assert_allclose(found["comes_from"][lit], np.tile([0.0, 1.0, 0.0], (lit.sum(), 1)), atol=2.0**-7)
+    np.testing.assert_allclose(views["voxels:1:comes_from"][12, 16], (0.5, 1.0, 0.5), atol=2.0**-7)
+    assert lit.any() and "voxels:1:comes_from" not in renderer(device, scene).technique.debug_views()
 
 
 @pytest.mark.parametrize("wrong", ["voxels:0:albedos", "voxels:6:normal", "voxels:1:albedo", "cones:1", "cones:a:b"])

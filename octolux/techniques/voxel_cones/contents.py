@@ -13,11 +13,11 @@ from .structure import VOXEL, VoxelOctree
 
 VOXEL_VALUES = np.dtype([
     ("cell", np.int32, 3), ("facing", np.float32, 6), ("light", np.float32, (6, 3)), ("albedo", np.float32, 3),
-    ("emission", np.float32, 3), ("occupied", np.bool_),
+    ("emission", np.float32, 3), ("occupied", np.bool_), ("comes_from", np.float32, 3),
 ])  # fmt: skip
 """cell: x, y, z on its level.  facing: shares of its sections that look along each of simulator/voxels/surfaces.
 DIRECTIONS.  light: what it sends each way, nits times share.  albedo, emission (nits): of voxels of
-level 0 that are `occupied`, else 0."""
+level 0 that are `occupied`, else 0.  comes_from: of lobes, the mean of unit vectors to where its light comes from."""
 
 
 def cells_of(codes: np.ndarray, log2_edge: int) -> np.ndarray:
@@ -95,6 +95,7 @@ def _add_light(octree: VoxelOctree, level: int, unit: float, found: np.ndarray) 
         parts = words.reshape(-1, 3, OWN)
         light, moment = unpack_bright(parts[:, 0].ravel()), unpack_moment(parts[:, 1].ravel())
         comes_from = moment / np.maximum(light.mean(axis=-1, keepdims=True), 1e-9)
+        found["comes_from"] = comes_from.reshape(-1, OWN, 3)
         shares = shares_of_ways(found["facing"].reshape(-1, 6), comes_from)
         found["light"] = unit * (shares[..., None] * light[:, None]).reshape(-1, OWN, 6, 3)
     else:

@@ -39,10 +39,11 @@ class VoxelViews:
         """`voxels:LEVEL`, `nodes`, `fragments`, `updates` and `cones` are numbers, all others pictures."""
         makers: dict[str, Callable[[], Any]] = {}
         levels = range(self._technique.octree.depth)
+        lobes = ("comes_from",) if self._technique.octree.bricks.representation.directed else ()
         for level in levels:
             makers[f"voxels:{level}"] = partial(self.voxels, level)
         for level in levels:
-            for value in (*(_SURFACES if level == 0 else ()), *_VALUES):
+            for value in (*(_SURFACES if level == 0 else ()), *_VALUES, *lobes):
                 makers[f"voxels:{level}:{value}"] = partial(self.drawn_voxels, level, value)
         makers |= {"fragments": self.fragments, "fragments:drawn": self.drawn_fragments, "nodes": self.nodes}
         makers |= {f"nodes:{level}": partial(self.drawn_nodes, level) for level in levels}
@@ -79,6 +80,8 @@ class VoxelViews:
         if value == "normal":
             mean = facing @ DIRECTIONS
             return 0.5 + 0.5 * mean / np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-9)
+        if value == "comes_from":  # grey from everywhere
+            return 0.5 + 0.5 * found["comes_from"]
         if value == "opacity":  # across each axis, of the way that faces more
             return np.maximum(facing[:, 0::2], facing[:, 1::2])
         if value == "light":  # of all ways, for what faces them
