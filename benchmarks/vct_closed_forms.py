@@ -30,12 +30,14 @@ CEILING = 45
 """Voxels of a slab's ceiling over its floor."""
 
 
-def beam(device: Device, words: str) -> np.ndarray:
+def beam(device: Device, words: str, up: bool = False) -> np.ndarray:
     """Irradiance over the closed form's, (3,): a ceiling of known albedo is lit straight from below, past a small
-    receiver whose shadow is on it. E = albedo * illuminance * (F of the ceiling - F of the shadow)."""
+    receiver whose shadow is on it. E = albedo * illuminance * (F of the ceiling - F of the shadow).
+
+    up: the ceiling looks there, and shows its back."""
     edge = 0.1
     sun = DirectionalLight(direction=(0.0, 1.0, 0.0), illuminance=(4.0, 4.0, 4.0))
-    scene = scene_of([level(1.0, 1.0, up=False), level(0.0, edge, up=True)], [PAINT], lights=[sun])
+    scene = scene_of([level(1.0, 1.0, up=up), level(0.0, edge, up=True)], [PAINT], lights=[sun])
     found = watched(device, scene, from_above(0.5, 0.1), words).picture.layers["irradiance"].mean(axis=(0, 1))
     factor = point_to_parallel_square(2.0, 1.0) - point_to_parallel_square(2.0 * edge, 1.0)
     return found / (4.0 * np.array(ALBEDO) * factor)

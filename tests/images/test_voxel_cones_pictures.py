@@ -109,6 +109,12 @@ def test_a_beam_on_a_wall_lights_what_faces_it(device, preset):
     np.testing.assert_allclose(beam(device, preset), 1.0, rtol=0.15)
 
 
+def test_backs_are_lit_as_for_paths(device):
+    """The same ceiling, single-sided and looking up."""
+    np.testing.assert_allclose(beam(device, "default", up=True), 1.0, rtol=0.15)
+    assert not beam(device, "default,interior=false", up=True).any()
+
+
 def spot(x: float) -> SpotLight:
     return SpotLight(position=(x, 0.5, 0.0), direction=(0.0, -1.0, 0.0), intensity=(5.0, 6.0, 7.0), outer_angle=0.3)
 

@@ -16,6 +16,7 @@ from octolux.simulator.grid import Grid
 from octolux.simulator.tonemap import srgb_decode
 from octolux.simulator.voxels.fragments import dominant_axis, fragments
 from octolux.techniques.voxel_cones import structure
+from octolux.techniques.voxel_cones.structure import VoxelOctree
 
 OFF_DIAGONAL = ~np.eye(16, dtype=bool)  # along it two triangles share a voxel, each with its own middle
 
@@ -122,3 +123,17 @@ def test_sums_in_several_rounds(device, monkeypatch):
     parts = read(built(device, scene, grid))
     for a, b in zip(vars(whole).values(), vars(parts).values(), strict=True):
         np.testing.assert_array_equal(a, b)
+
+
+def test_the_inside_of_solids(device):
+    """With `interior` single-sided surfaces are as double-sided ones are without, to the bit."""
+    grid = grid_of(5)
+    found = []
+    for double_sided in (False, True):
+        scene, _ = random_scene(grid, 200, 6.0, 12, double_sided=double_sided)
+        octree = VoxelOctree(device, 5, interior=not double_sided)
+        scene.materials[0] = replace(scene.materials[0], double_sided=double_sided)
+        found.append(read(built(device, scene, grid, octree)))
+    for one, other in zip(*(vars(each).values() for each in found), strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert (found[0].facing[..., 0::2] * found[0].facing[..., 1::2]).any()

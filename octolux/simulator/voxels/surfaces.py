@@ -48,7 +48,8 @@ def voxelise(found: Fragments, normals, n: int, albedo, emission, coverage, doub
     """Sum fragments into n^3 voxels; those outside are dropped.
 
     normals: unit vectors of the triangles, (T, 3).  For each fragment: albedo (M, 3); emission (M, 3), nits; coverage
-    (M,): what alpha leaves of it; double_sided (M,): seen from both sides, so it faces either way.
+    (M,): what alpha leaves of it; double_sided (M,): seen from both sides, so it faces either way. Paths of light meet
+    all surfaces on both sides, single-sided ones too; a camera looks through the backs of these.
 
     A back counts where it can be seen: where the voxel that it looks at is not `touched`. A solid whose materials are
     double-sided, as all are in files that do not say, would else be hidden in part by its own dark inside, wherever it

@@ -65,7 +65,13 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             let slot = leaf.number - cube.first;
             if leaf.node != NO_NODE && slot < cube.room {
                 var back = vec3f(0.0);
-                if material.double_sided == 1u { back = seen_behind(voxel, along) * abs(along); }
+                {% if not interior %}
+                if material.double_sided == 1u {
+                {% endif %}
+                back = seen_behind(voxel, along) * abs(along);
+                {% if not interior %}
+                }
+                {% endif %}
                 let up = select(back, along, along > vec3f(0.0));
                 let down = select(back, -along, along < vec3f(0.0));
                 let w = met.weights;

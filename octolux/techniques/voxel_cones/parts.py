@@ -32,9 +32,10 @@ class Parts:
     """
 
     def __init__(
-        self, device: Device, depth: int, texture_level: float, representation: str = "axial", box: Boxes | None = None
+        self, device: Device, depth: int, texture_level: float, representation: str = "axial", interior: bool = False,
+        box: Boxes | None = None,
     ):  # fmt: skip
-        self._made, self._box = (device, depth, texture_level, representation), box
+        self._made, self._box = (device, depth, texture_level, representation, interior), box
         self.static = VoxelOctree(*self._made)
         self.moving: VoxelOctree | None = None
         self._static_of: tuple[int, int, Grid] | None = None

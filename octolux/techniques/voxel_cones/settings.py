@@ -47,6 +47,11 @@ class VoxelConesSettings(Settings):
         cost="lobes take less memory where surfaces are seen from both sides, and filter faster there; less exact",
         source="VCT 5.3, tables 6.5 and 6.6",
     )  # fmt: skip
+    interior: bool = setting(
+        True, meaning="single-sided surfaces are closed from behind too, as for paths of light: what is solid is dark "
+        "inside", unit="", allowed=(False, True), cost="more bricks; without it light comes through thin walls",
+        source="VCT 7.2; simulator/voxels/surfaces.py",
+    )  # fmt: skip
     texture_level: float = setting(
         0.0, meaning="mip level of textures that voxels take their colour from, over that whose texels are as large as "
         "a voxel", unit="levels", allowed=[-4.0, 4.0],

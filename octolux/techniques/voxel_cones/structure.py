@@ -43,7 +43,7 @@ class VoxelOctree:
 
     def __init__(
         self, device: Device, depth: int, texture_level: float = 0.0, representation: str = "axial",
-        static: VoxelOctree | None = None,
+        interior: bool = False, static: VoxelOctree | None = None,
     ):  # fmt: skip
         self.device, self.depth, self.static = device, depth, static
         self.grid: Grid
@@ -52,7 +52,7 @@ class VoxelOctree:
         self.bricks: Bricks = Bricks(device, self.octree, representation, static.bricks if static else None)
         self.filtering = Filtering(device, self.bricks)
         beside = self.other_leaf_bindings("static_") if static else ()
-        self._voxeliser = Voxeliser(device, self.octree, texture_level, beside)
+        self._voxeliser = Voxeliser(device, self.octree, texture_level, interior, beside)
         self.voxels = Pool("voxels", lambda count: record_texture(device, LABEL, VOXEL, count), limit=1 << 24)
         self._surfaces = {
             emissive: ComputePass(

@@ -32,7 +32,7 @@ class VoxelCones(Technique):
     def __init__(self, device: Device, settings: VoxelConesSettings):
         super().__init__(device, settings)
         s = settings
-        self.parts = Parts(device, s.depth, s.texture_level, s.representation, read_box(s.box))
+        self.parts = Parts(device, s.depth, s.texture_level, s.representation, s.interior, read_box(s.box))
         self.frame: Frame | None = None
         """The last one, for debug views."""
         self._make()

@@ -57,12 +57,14 @@ class Triangles:
 class Voxeliser:
     """Marks the voxels that triangles lie in, then, when these have numbers, sums what lies there. Of an octree of what
     moves these are voxels in whose nodes something lies that does. static: how the leaves of what is static are looked
-    up then (`VoxelOctree.other_leaf_bindings`, under names with "static_")."""
+    up then (`VoxelOctree.other_leaf_bindings`, under names with "static_"). interior: single-sided surfaces have backs
+    too (simulator/voxels/surfaces.py)."""
 
     def __init__(
-        self, device: Device, octree: Octree, texture_level: float = 0.0, static: tuple[Binding, ...] = ()
+        self, device: Device, octree: Octree, texture_level: float = 0.0, interior: bool = False,
+        static: tuple[Binding, ...] = (),
     ):  # fmt: skip
-        self._static = static
+        self._static, self._interior = static, interior
         self.device, self.octree, self._texture_scale = device, octree, 2.0**texture_level
         self._sums = PrefixSum(device, "u32")
         self._accumulate: ComputePass | None = None
@@ -162,6 +164,7 @@ class Voxeliser:
             self.device, "fragment values", "techniques/voxel_cones/accumulate.wgsl", bindings,
             structs=[PARAMETERS, CUBE, VIEW], shared=scene.bindings, workgroup=WORKGROUP, starts=True,
             layer=float(LAYER), words=self.words_of(scene.has_emission), texture_scale=self._texture_scale,
+            interior=self._interior,
             **values,
         )  # fmt: skip
 
