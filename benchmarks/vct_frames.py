@@ -188,7 +188,8 @@ def built(name: str, kinds: Sequence[tuple[str, int]], count: int) -> list[Built
     scene.sync(lit(name, 0))
     for representation, depth in kinds:
         before = device().memory.total
-        octree, profiler = VoxelOctree(device(), depth, 0.0, representation), PartProfiler(device(), part_of)
+        octree = VoxelOctree(device(), depth, 0.0, representation, interior=True)  # as by default
+        profiler = PartProfiler(device(), part_of)
         for number in range(-1, count):  # the first makes room
             if number == 0:
                 profiler.clear()

@@ -76,8 +76,8 @@ def vct_moved_light() -> dict[str, float]:
 def vct_moved_object() -> dict[str, float]:
     """A ball of 0.5 m moves in Crytek Sponza, 8 levels: making anew the octree of what moves over building that of
     everything, in turns. `nodes`, `triangles`: of what is made anew, over all."""
-    scene, parts = GpuScene(device()), Parts(device(), DEPTH, 0.0)
-    whole, profiler, times = VoxelOctree(device(), DEPTH), Profiler(device(), "off"), []
+    scene, parts = GpuScene(device()), Parts(device(), DEPTH, 0.0, interior=True)
+    whole, profiler, times = VoxelOctree(device(), DEPTH, interior=True), Profiler(device(), "off"), []
 
     def moved() -> None:
         with profiler.frame():
