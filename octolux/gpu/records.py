@@ -51,13 +51,6 @@ def records(name: str, kind: Struct) -> Binding:
     return _binding(name, "read", kind.wgsl_loader(name, lambda word: f"textureLoad({name}, {_place(kind, word)})"))
 
 
-def sampled_records(name: str, kind: Struct) -> Binding:
-    """The same as `records`, for passes whose four storage textures are taken."""
-    layout = {"texture": {"sample_type": "uint", "view_dimension": "2d"}}
-    load = kind.wgsl_loader(name, lambda word: f"textureLoad({name}, {_place(kind, word)}, 0)")
-    return Binding(name, f"var {name}: texture_2d<u32>;", "read", layout, loader=load)
-
-
 def records_out(name: str, kind: Struct) -> Binding:
     """The same, that it writes with `store_NAME(index, value)`."""
     words = "".join(

@@ -72,7 +72,7 @@ def test_every_part_of_a_build_is_timed():
     small, large = built("cornell-box", [("axial", 6), ("axial", 7)], 1)
     assert set(small.parts) == {"Frame", *(OCTREE + part for part in (*vct_rows.BUILDING, *vct_rows.FILLING))}
     assert 3.0 < large.nodes / small.nodes < 5.0  # surfaces: four times as many on each level
-    assert 2.0 <= large.megabytes / small.megabytes <= 8.0  # in layers, whose number is a power of two
+    assert 2.0 <= large.megabytes / small.megabytes <= 8.0
     assert small.megabytes * 1e6 >= 4 * 27 * small.bricks
 
 

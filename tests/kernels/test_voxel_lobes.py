@@ -12,7 +12,6 @@ from octolux.gpu_scene.gpu_scene import GpuScene
 from octolux.raytracing.bvh import triangle_ids
 from octolux.simulator.voxels.lobes import LobeVoxels, shares_of_ways
 from octolux.techniques.voxel_cones.contents import level_voxels
-from octolux.techniques.voxel_cones.reading import Reading
 from octolux.techniques.voxel_cones.structure import VoxelOctree
 
 BRIGHTEST, UNIT = 9.0, 16.0
@@ -138,4 +137,4 @@ def test_what_moves_beside_what_is_static(device):
 
 def test_octrees_that_keep_light_otherwise_are_not_read_together(device):
     with pytest.raises(ValueError, match="keep light alike"):
-        Reading(device, lobes(device, 4).bricks, VoxelOctree(device, 4).bricks)
+        VoxelOctree(device, 4, static=lobes(device, 4))

@@ -34,7 +34,10 @@ def test_parts_read_as_one_octree(device, depth, size, apart):
         gpu_scene.sync(scene)
         parts.prepare(gpu_scene)
         with profiler.frame():
-            parts.build(profiler, gpu_scene)
+            if parts.build(profiler, gpu_scene):
+                with profiler.stage("filtering") as stage:
+                    for octree in parts.octrees:
+                        octree.filtering.everything(stage)
         assert len(parts.octrees) == (2 if moves else 1)
         whole = built(device, scene, parts.static.grid)
         for level in range(depth):

@@ -177,7 +177,8 @@ def sampled(octrees: Octrees, points: np.ndarray, level: int, towards: np.ndarra
     """`sample_voxels` at points (m, 3) in voxels of level 0, on a level, along unit vectors (m, 3) or (3,): radiance
     times opacity and opacity, (m, 4); and whether there is a node, bool (m,)."""
     both = octrees if isinstance(octrees, tuple) else (octrees,)
-    device, reading = both[0].device, Reading(both[0].device, *(octree.bricks for octree in both))
+    device, reading = both[0].device, Reading(both[0].device, both[0].bricks)
+    reading.moving = both[1].bricks if len(both) > 1 else None
     given = np.zeros((len(points), 8), np.float32)
     given[:, :3], given[:, 3], given[:, 4:7] = points, level, towards
     result = device.buffer("result", size=32 * len(points))

@@ -30,11 +30,8 @@ PARAMETERS_OF = uniform("parameters", PARAMETERS)
 
 def brick_texture(device: Device, count: int, row: int) -> Any:
     """A 3D texture for `count` bricks, or more, `row` along x and y: light as shares of scales, and what faces six
-    ways. Its depth is a power of two: so coordinates along it are exact, and samples the same bits, however much room
-    there is.
-    """
-    depth = 1 << (EDGE * -(-count // row**2) - 1).bit_length()
-    size = (EDGE * row, EDGE * row, depth)
+    ways. A sample is the same bits wherever its brick lies (octree.wgsl)."""
+    size = (EDGE * row, EDGE * row, EDGE * -(-count // row**2))
     return device.texture("voxel bricks", size, "rgba8unorm", usage=STORAGE | TEXTURE | COPY, dimension="3d")
 
 
@@ -52,12 +49,15 @@ class Bricks:
     other for lobes.
 
     static: where the octree is of what moves, the bricks of what is static, with the same depth and cube. From these
-    come voxels in nodes that nothing lies in that moves, so that all nodes hold what an octree of everything would.
+    come voxels in nodes that nothing lies in that moves, so that all nodes hold what an octree of everything would. Its
+    `nodes` and `bricks`, which shaders read, have room for both: these stand behind its own.
     """
 
     def __init__(self, device: Device, octree: Octree, representation: str = "axial", static: Bricks | None = None):
         self.device, self.octree, self.static = device, octree, static
         self.representation = REPRESENTATIONS[representation]
+        if static and (static.octree.depth, static.representation) != (octree.depth, self.representation):
+            raise ValueError("octrees that are read together have one depth, and keep light alike")
         row = self.representation.row
         octree.values.update(bricks_row=row)
         self.levels: tuple[tuple[int, int], ...] = ((0, 0),) * octree.depth
@@ -69,10 +69,14 @@ class Bricks:
         own = 8 * OWN  # bytes of what a node's voxels face
         self.facing = Pool("nodes", lambda count: device.buffer(LABEL, size=own * count), limit=_BUFFER // own)
         self.ways = Pool("nodes", words, limit=_BUFFER // 4)
-        self.nodes = Pool("nodes", lambda count: record_texture(device, LABEL, NODE, count), limit=_BUFFER // 4)
         self.owners, self.scales = Pool("bricks", words, limit=most), Pool("bricks", words, limit=most)
         self.light = Pool("bricks", lambda count: device.buffer(LABEL, size=4 * OWN * count), limit=most)
-        self.bricks = Pool("bricks", lambda count: brick_texture(device, count, row), limit=most)
+        self.nodes: Pool = static.nodes if static else Pool(
+            "nodes", lambda count: record_texture(device, LABEL, NODE, count), limit=_BUFFER // 4
+        )
+        self.bricks: Pool = static.bricks if static else Pool(
+            "bricks", lambda count: brick_texture(device, count, row), limit=most
+        )
         self._sums = PrefixSum(device, "u32")
         self.pass_values: dict[str, Any] = {
             "structs": [PARAMETERS, NODE], "workgroup": WORKGROUP, "row": ROW, "block": BLOCK,
@@ -106,6 +110,20 @@ class Bricks:
         )
 
     @property
+    def made(self) -> int:
+        """How many times the textures that are read were made."""
+        return self.nodes.made + self.bricks.made
+
+    @property
+    def count(self) -> int:
+        return self.owners.used
+
+    @property
+    def first(self) -> int:
+        """Where in the texture of bricks its own begin."""
+        return self.static.count if self.static else 0
+
+    @property
     def parts(self) -> tuple[str, ...]:
         """Names of the octrees that passes look nodes up in begin so (octree.wgsl)."""
         return ("", "static_") if self.static else ("",)
@@ -113,8 +131,13 @@ class Bricks:
     def make_room(self, stage: Any) -> None:
         """For the nodes of the octree; nothing faces any way but what is static."""
         count = self.octree.counts.nodes
-        for pool in (self.facing, self.ways, self.nodes):
+        for pool in (self.facing, self.ways):
             pool.need(count)
+        if self.static:  # new numbers have its nodes, and those of what is static in the same words of the directory
+            there = self.static.octree.counts.nodes
+            self.nodes.reserve(there + min(32 * count, count + there))
+        else:
+            self.nodes.need(count)
         stage.encoder.clear_buffer(self.facing.resource)
         if self.static:
             self._borrow.run(
@@ -148,8 +171,12 @@ class Bricks:
         total = int(read[2 * octree.depth]) if count else 0
         first = (read[: octree.depth] + read[octree.depth : 2 * octree.depth]).tolist() if count else [0] * octree.depth
         self.levels = tuple((a, b - a) for a, b in zip(first, [total, *first], strict=False))
-        for pool in (self.owners, self.scales, self.light, self.bricks):
+        for pool in (self.owners, self.scales, self.light):
             pool.need(total)
+        if self.static:
+            self.bricks.reserve(self.first + total)
+        else:
+            self.bricks.need(total)
         with profiler.stage("bricks") as stage:
             stage.encoder.clear_buffer(self.light.resource)
             self._owners.run(stage, threads(count), parameters=given, masks=masks, values=sums.values,

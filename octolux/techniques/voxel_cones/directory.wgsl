@@ -1,4 +1,4 @@
-// Numbers of nodes: the directory (octree.wgsl){% if with_codes %}, and the code of each node{% endif %}.
+// Numbers of nodes: the directory (octree.wgsl), and the code of each node.
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -7,11 +7,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var mask = nodes[word];
     var number = values[word] + totals[word / {{ block }}u];
     textureStore(directory, vec2u(word & {{ directory_row - 1 }}u, word / {{ directory_row }}u), vec4u(mask, number, 0u, 0u));
-    {% if with_codes %}
     while mask != 0u {
         codes[number] = 32u * word + firstTrailingBit(mask);
         number += 1u;
         mask &= mask - 1u;
     }
-    {% endif %}
 }

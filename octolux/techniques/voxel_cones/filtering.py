@@ -42,24 +42,25 @@ class Filtering:
         self._surfaces = None
         if bricks.representation.directed:
             self._surfaces = self._made("surfaces", [*nodes, facing, owners, brick_out[1]])
-        shown = [*nodes[1:], texture("shown_directory", "uint")] if bricks.static else []
-        self._records = self._made(
-            "records", [*record, *shown], shown=bool(shown), listed=False, parts=("", "shown_")
-        )  # fmt: skip
         if bricks.static:
-            theirs = [texture("static_directory", "uint"),
-                      *(storage(f"static_{name}", "u32") for name in ("ways", "light"))]  # fmt: skip
+            theirs, their_ways = texture("static_directory", "uint"), storage("static_ways", "u32")
             self._borrow = self._made(
-                "borrow_light", [*nodes, owners, words("leaves"), storage_rw("light", "u32", "write"), *theirs],
+                "borrow_light", [*nodes, owners, words("leaves"), storage_rw("light", "u32", "write"), theirs,
+                                 their_ways, storage("static_light", "u32")], parts=bricks.parts,
+            )  # fmt: skip
+            self._merge = self._made(
+                "merge_records", [*record, directory_binding(), storage("shown", "u32"), theirs, their_ways,
+                                  storage("static_scales", "u32"), texture("merged_directory", "uint")],
                 parts=bricks.parts,
             )  # fmt: skip
         else:
+            self._records = self._made("records", record, listed=False)
             listed = [storage("lists", "u32"), storage("update_list", "u32")]
             self._climb = self._made(
                 "climb", [*nodes, facing, ways, light_out, *UpdateList.touching, storage_rw("update_list", "u32")]
             )
             self._copy_listed = self._made("bricks", [*copied, *listed], listed=True)
-            self._record_listed = self._made("records", [*record, owners, *listed], listed=True, shown=False)
+            self._record_listed = self._made("records", [*record, owners, *listed], listed=True)
 
     def _made(self, file: str, bindings: list[Binding], **values: Any) -> ComputePass:
         reads = [binding.name for binding in bindings if binding.name == "ways"]
@@ -72,7 +73,7 @@ class Filtering:
         """Write, after a build, what of bricks no light changes."""
         if self._surfaces:
             bricks, given = self.bricks, self._given(1.0)
-            self._surfaces.run(stage, threads(bricks.bricks.used), parameters=given, **bricks.of_nodes(),
+            self._surfaces.run(stage, threads(bricks.count), parameters=given, **bricks.of_nodes(),
                                facing=bricks.facing.resource, owners=bricks.owners.resource,
                                bricks=bricks.bricks.resource)  # fmt: skip
 
@@ -85,11 +86,12 @@ class Filtering:
                 stage, threads(OWN * count), parameters=parameters(self.device, count, first),
                 owners=bricks.owners.resource, **self._of_light(),
             )  # fmt: skip
-        self._copy.run(stage, threads(bricks.bricks.used), parameters=self._given(unit), **self._of_bricks())
-        count = bricks.octree.counts.nodes
-        shown = {**bricks.of_nodes(), "shown_directory": bricks.octree.shown} if bricks.static else {}
-        self._records.run(stage, threads(count), parameters=parameters(self.device, count), **self._of_records(),
-                          **shown)  # fmt: skip
+        self._copy.run(stage, threads(bricks.count), parameters=self._given(unit), **self._of_bricks())
+        if bricks.static:
+            self._merge_records(stage)
+        else:
+            count = bricks.octree.counts.nodes
+            self._records.run(stage, threads(count), parameters=parameters(self.device, count), **self._of_records())
         self.updates.forget(stage)
 
     def touched(self, stage: Any, unit: float = 1.0) -> None:
@@ -111,11 +113,11 @@ class Filtering:
     def updated_nodes(self) -> np.ndarray:
         """Numbers of the nodes with bricks that were made anew the last time, for debug views."""
         bricks = self.bricks
-        made = self.updates.read() if self._listed else np.arange(bricks.bricks.used, dtype=np.uint32)
+        made = self.updates.read() if self._listed else np.arange(bricks.count, dtype=np.uint32)
         return np.unique(np.frombuffer(self.device.queue.read_buffer(bricks.owners.resource), np.uint32)[made] >> 3)
 
     def _borrow_light(self, stage: Any) -> None:
-        bricks, count = self.bricks, self.bricks.bricks.used
+        bricks, count = self.bricks, self.bricks.count
         first_leaf = bricks.octree.counts.levels[0][0]
         self._borrow.run(
             stage, threads(OWN * count), parameters=parameters(self.device, count, first_leaf),
@@ -123,9 +125,17 @@ class Filtering:
             **bricks.of_nodes(), **bricks.of_static("ways", "light"),
         )  # fmt: skip
 
+    def _merge_records(self, stage: Any) -> None:
+        bricks, octree = self.bricks, self.bricks.octree
+        self._merge.run(
+            stage, threads(octree.words), parameters=parameters(self.device, octree.words, bricks.first),
+            directory=octree.directory, merged_directory=octree.merged, shown=octree.shown, **self._of_records(),
+            **bricks.of_static("ways", "scales"),
+        )  # fmt: skip
+
     def _given(self, unit: float) -> Any:
         word = int(np.float32(max(unit, _DARK)).view(np.uint32))
-        return parameters(self.device, self.bricks.bricks.used, second=word)
+        return parameters(self.device, self.bricks.count, second=word, third=self.bricks.first)
 
     def _of_light(self) -> dict[str, Any]:
         bricks = self.bricks

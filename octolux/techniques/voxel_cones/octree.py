@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...frame.frame import COPY, STORAGE, TEXTURE
-from ...gpu.bindings import atomic_words, storage, storage_rw, storage_texture, uniform
+from ...gpu.bindings import atomic_words, storage, storage_rw, storage_texture, texture, uniform
 from ...gpu.device import Device
 from ...gpu.passes import ComputePass
 from ...gpu.profiler import Profiler
@@ -55,13 +55,15 @@ class Octree:
     """directory: texture, see octree.wgsl.  codes: u32 of each node.  leaves: texture of words, of each node of level
     0: number of its first voxel << 8 | which of its eight are occupied.  counts: of the last build.
 
-    moving: it is of what moves, and has nodes at all sides of what is occupied (levels.wgsl).  shown: the directory of
-    those that are read, with numbers of their own; where nothing moves `directory`.
+    static: where this is of what moves, the octree of what is static. Then it has nodes at all sides of what is
+    occupied (levels.wgsl), of which `shown`, u32 of bits by codes, are whole; and `merged` is the directory of what is
+    read, of both (merge_directory.wgsl), else `directory`.
     values: what octree.wgsl wants to know.
     """
 
-    def __init__(self, device: Device, depth: int, moving: bool = False):
-        self.device, self.depth, self.moving = device, depth, moving
+    def __init__(self, device: Device, depth: int, static: Octree | None = None):
+        self.device, self.depth, self.static, self.moving = device, depth, static, static is not None
+        moving, self.shown = self.moving, None
         self.counts = Counts(((0, 0),) * depth, 0, 0)
         self.values: dict[str, Any] = {
             "depth": depth, "directory_row": DIRECTORY_ROW, "reads": (), "parts": ("",),
@@ -72,7 +74,7 @@ class Octree:
             device.texture(LABEL, (DIRECTORY_ROW, rows), "rg32uint", usage=STORAGE | TEXTURE | COPY)
             for _ in range(1 + moving)
         ]
-        self.directory, self.shown = textures[0], textures[-1]
+        self.directory, self.merged = textures[0], textures[-1]
         self.codes = Pool("nodes", lambda count: device.buffer(LABEL, size=4 * count), limit=1 << 25)
         self.leaves = Pool("leaves", lambda count: word_texture(device, LABEL, count), limit=1 << 24)
         self._sums = PrefixSum(device, "u32")
@@ -89,15 +91,23 @@ class Octree:
             device, "count", f"{folder}/count_bits.wgsl",
             [given, storage("bits", "u32"), storage_rw("values", "u32", "write")], **fixed,
         )  # fmt: skip
-        numbers = [given, storage("nodes", "u32"), *sums, directory_binding(access="write")]
-        self._directory, self._numbers = (
-            ComputePass(
-                device, "directory", f"{folder}/directory.wgsl",
-                [*numbers, *([storage_rw("codes", "u32", "write")] if with_codes else [])], with_codes=with_codes,
-                **fixed, **self.values,
-            )
-            for with_codes in (True, False)
+        self._directory = ComputePass(
+            device, "directory", f"{folder}/directory.wgsl",
+            [given, storage("nodes", "u32"), *sums, storage_rw("codes", "u32", "write"),
+             directory_binding(access="write")], **fixed, **self.values,
         )  # fmt: skip
+        if moving:
+            of_static = texture("static_directory", "uint")
+            self._merge_bits = ComputePass(
+                device, "merge", f"{folder}/merge_bits.wgsl",
+                [given, of_static, storage("shown", "u32"), storage_rw("merged", "u32", "write"),
+                 storage_rw("values", "u32", "write")], **fixed, **self.values,
+            )  # fmt: skip
+            self._merge = ComputePass(
+                device, "merge", f"{folder}/merge_directory.wgsl",
+                [given, of_static, storage("merged", "u32"), *sums, directory_binding(access="write")],
+                **fixed, **self.values,
+            )  # fmt: skip
         self._leaf_voxels = ComputePass(
             device, "leaves", f"{folder}/leaf_voxels.wgsl",
             [given, storage("codes", "u32"), storage("occupied", "u32"), *sums, words_out("leaves")], **fixed,
@@ -113,7 +123,8 @@ class Octree:
         device, words = self.device, self.words
         first_word = 8**self.depth // 32  # of the voxels of level 0, which have as many
         nodes = device.buffer("voxel build", size=4 * words)
-        shown = {"shown": device.buffer("voxel build", size=4 * words)} if self.moving else {}
+        self.shown = device.buffer(LABEL, size=4 * words) if self.moving else None
+        shown = {"shown": self.shown} if self.moving else {}
         of_nodes, of_voxels = self._sums.sums(words), self._sums.sums(first_word)
         starts = device.buffer("voxel build", size=8 * self.depth + 8)
         with profiler.stage("octree") as stage:
@@ -142,17 +153,18 @@ class Octree:
                 codes=self.codes.resource, occupied=occupied, values=of_voxels.values, totals=of_voxels.totals,
                 leaves=self.leaves.resource,
             )  # fmt: skip
-            for bits in shown.values():
-                self._number(stage, bits)
+            if self.static:
+                self._merge_with(self.static, stage)
 
-    def _number(self, stage: Any, bits: Any) -> None:
-        """The directory `shown` of nodes by bits."""
+    def _merge_with(self, static: Octree, stage: Any) -> None:
         words, sums = self.words, self._sums.sums(self.words)
-        given = parameters(self.device, words)
-        self._count.run(stage, threads(words), parameters=given, bits=bits, values=sums.values)
+        merged = self.device.buffer("voxel build", size=4 * words)
+        given, of_static = parameters(self.device, words, static.counts.nodes), {"static_directory": static.directory}
+        self._merge_bits.run(stage, threads(words), parameters=given, shown=self.shown, merged=merged,
+                             values=sums.values, **of_static)  # fmt: skip
         self._sums.run(stage, sums, words, given)
-        self._numbers.run(stage, threads(words), parameters=given, nodes=bits, values=sums.values, totals=sums.totals,
-                          directory=self.shown)  # fmt: skip
+        self._merge.run(stage, threads(words), parameters=given, merged=merged, values=sums.values, totals=sums.totals,
+                        directory=self.merged, **of_static)  # fmt: skip
 
     def _copy_starts(self, stage: Any, of_nodes: Any, of_voxels: Any, starts: Any) -> None:
         """Behind each other in `starts`: sum within its block and of the blocks before, of each level's first word from

@@ -72,7 +72,7 @@ fn scale_code(brightest: f32) -> u32 {
 fn scale_of(code: u32) -> f32 { return bitcast<f32>((code + 380u) << 21u); }
 
 {% if "nodes" in reads %}
-// `sample`, of the representation, has sample_node for each part.
+// `sample`, of the representation, has sample_node.
 //
 // position: in voxels of level 0 from the cube's corner, inside it. Of a level the cell of 2^3 voxels' edges around it,
 // whose corners are middles of voxels; half a voxel from the border inwards the outermost voxels hold. A filter's weights have
@@ -91,20 +91,17 @@ fn place_at(position: vec3f, level: u32) -> Place {
 // Whether there is nothing around a position on this level, and so on finer ones.
 fn is_empty(position: vec3f, level: u32) -> bool {
     let code = place_at(position, level).code;
-    return {% for part in parts %}{{ " && " if not loop.first }}{{ part }}node_of(code) == NO_NODE{% endfor %};
+    return node_of(code) == NO_NODE;
 }
 
 {{ use(sample) }}
 
 // What is met around a position on a way along the unit vector `direction` as long as an edge of the level's voxels:
-// radiance times opacity, and opacity. It crosses |d| of the sections across each axis, of what looks against it. Nodes of what
-// moves, in an octree of their own, hold all that is there, and stand for those of what is static (VCT 5.7).
+// radiance times opacity, and opacity. It crosses |d| of the sections across each axis, of what looks against it.
 fn sample_voxels(position: vec3f, level: u32, direction: vec3f) -> vec4f {
     let place = place_at(position, level);
-    {% for part in parts|reverse %}
-    let {{ part }}number = {{ part }}node_of(place.code);
-    if {{ part }}number != NO_NODE { return {{ part }}sample_node({{ part }}number, place, direction); }
-    {% endfor %}
-    return vec4f(0.0);
+    let number = node_of(place.code);
+    if number == NO_NODE { return vec4f(0.0); }
+    return sample_node(number, place, direction);
 }
 {% endif %}

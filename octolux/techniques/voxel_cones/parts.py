@@ -55,8 +55,8 @@ class Parts:
         return True
 
     def build(self, profiler: Profiler, scene: GpuScene) -> bool:
-        """Build what is not as the scene is; returns whether that of what is static was. Raises DeviceError when there
-        is no room."""
+        """Build what is not as the scene is; returns whether all light of what is static is to be filtered anew. Raises
+        DeviceError when there is no room."""
         changed = scene.has_changed[scene.drawn.item_instance]
         if self._box:
             grid = around(*self._box, self.static.depth)
@@ -72,12 +72,13 @@ class Parts:
             self._moving_of = None
             reach = _REACH * grid.cell_size
             low, high = (side[changed] for side in scene.item_boxes)
-            self.moving.build(
+            grown = self.moving.build(
                 profiler, scene, grid, ids=triangle_ids(scene, changed),
                 near=triangle_ids(scene, _near(scene, changed, reach)),
                 region=(low.min(axis=0) - reach, high.max(axis=0) + reach),
             )  # fmt: skip
             self._moving_of = (key, scene.moves)
+            new = new or grown
         return new
 
 

@@ -27,14 +27,15 @@ def parameters(device: Device, count: int, first: int = 0, second: int = 0, thir
 
 
 class Pool:
-    """Room for elements of one kind. `resource` is what `make` made for `capacity` of them; `used`: how many there are.
+    """Room for elements of one kind. `resource` is what `make` made for `capacity` of them, for the `made`th time;
+    `used`: how many there are.
 
     limit: the most that one binding holds, or that can be numbered.
     """
 
     def __init__(self, name: str, make: Callable[[int], Any], limit: int):
         self.name, self._make, self.limit = name, make, limit
-        self.used = self.capacity = 0
+        self.used = self.capacity = self.made = 0
         self.resource: Any = None
 
     def need(self, count: int) -> bool:
@@ -53,5 +54,13 @@ class Pool:
             self.capacity = max(1, min(self.limit, math.ceil(growth * count)))
             self.resource = None  # before the other is made: there may not be memory for both
             self.resource = self._make(self.capacity)
+            self.made += 1
         self.used = count
+        return grows
+
+    def reserve(self, count: int) -> bool:
+        """The same, for more elements than the pool's own: `used` stays."""
+        used = self.used
+        grows = self.need(count)
+        self.used = used
         return grows

@@ -1,8 +1,4 @@
 // What shaders that read bricks want to know of a node: its bricks, and their scales.
-{% if shown %}
-// Of what moves the nodes that are shown have numbers of their own (levels.wgsl).
-{{ use("techniques/voxel_cones/octree.wgsl") }}
-{% endif %}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
@@ -26,11 +22,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         brick += 1u;
     }
     {% endfor %}
-    {% if shown %}
-    let number = shown_node_of(codes[node]);
-    if number == NO_NODE { return; }
-    {% else %}
-    let number = node;
-    {% endif %}
-    store_nodes(number, Node(packed >> 6u, packed & 63u, packed_scales.x, packed_scales.y));
+    store_nodes(node, Node(packed >> 6u, packed & 63u, packed_scales.x, packed_scales.y));
 }

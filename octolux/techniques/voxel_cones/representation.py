@@ -59,6 +59,6 @@ class Representation:
 
 REPRESENTATIONS = {
     "axial": Representation("techniques/voxel_cones/axial", row=128),
-    # 40 nodes: those of Crytek Sponza at depth 8 fill 94 % of their texture, whose depth is a power of two.
+    # 40 nodes
     "lobes": Representation("techniques/voxel_cones/lobes", row=120, sides=2, most=sqrt(3.0), directed=True),
 }

@@ -48,7 +48,7 @@ class VoxelOctree:
         self.device, self.depth, self.static = device, depth, static
         self.grid: Grid
         self.peak = 0.0
-        self.octree = Octree(device, depth, moving=static is not None)
+        self.octree: Octree = Octree(device, depth, static.octree if static else None)
         self.bricks: Bricks = Bricks(device, self.octree, representation, static.bricks if static else None)
         self.filtering = Filtering(device, self.bricks)
         beside = self.other_leaf_bindings("static_") if static else ()
@@ -82,17 +82,20 @@ class VoxelOctree:
     def build(
         self, profiler: Profiler, scene: GpuScene, grid: Grid, peak: float = 0.0, ids: np.ndarray | None = None,
         near: np.ndarray | None = None, region: Region | None = None,
-    ) -> None:  # fmt: skip
+    ) -> bool:  # fmt: skip
         """Build it anew in the voxels of `grid`, 2^depth along each side. Inside a frame of `profiler`; the host waits
         three times. ids: uint32, which triangles (`triangle_ids`), by default all that is drawn of `scene`.  near:
         uint32, for what moves: which triangles of what is static may lie in nodes of level 0 with `ids`.  region: a box
         that holds all fragments of these nodes.
 
-        Raises DeviceError when the scene needs more nodes than there can be, ValueError for another grid.
+        Returns whether the textures that are read are others than before: where this is of what moves, the light of
+        what is static is then to be filtered anew. Raises DeviceError when the scene needs more nodes than there can
+        be, ValueError for another grid.
         """
         if grid.n != 1 << self.depth:
             raise ValueError(f"an octree of depth {self.depth} has {1 << self.depth} voxels a side, not {grid.n}")
         self.grid, self.peak = grid, peak
+        before = self.bricks.made
         cube, occupied = self._voxeliser.cube(grid, peak, region), self.octree.occupied()
         first = triangle_ids(scene) if ids is None else ids
         both = first if near is None else np.concatenate([first, near])
@@ -111,8 +114,11 @@ class VoxelOctree:
         self.bricks.number(profiler)
         self.filtering.updates.make_room()
         with profiler.stage("edge copy") as stage:
+            if self.static and self.bricks.made != before:
+                self.static.filtering.surfaces(stage)
             self.filtering.surfaces(stage)
             self.filtering.everything(stage)
+        return self.bricks.made != before
 
     def _sum(self, stage: Any, scene: GpuScene, triangles: Triangles, region: Region | None) -> None:
         """As many voxels at a time as there is room for sums."""
@@ -133,7 +139,7 @@ class VoxelOctree:
 
     def pools(self) -> dict[str, tuple[int, int]]:
         """How many elements each pool holds, and for how many it has room."""
-        all_pools = self.octree.leaves, self.voxels, self.bricks.facing, self.bricks.bricks
+        all_pools = self.octree.leaves, self.voxels, self.bricks.facing, self.bricks.owners
         return {pool.name: (pool.used, pool.capacity) for pool in all_pools}
 
     def codes(self) -> np.ndarray:

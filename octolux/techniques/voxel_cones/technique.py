@@ -35,15 +35,7 @@ class VoxelCones(Technique):
         self.parts = Parts(device, s.depth, s.texture_level, s.representation, s.interior, read_box(s.box))
         self.frame: Frame | None = None
         """The last one, for debug views."""
-        self._make()
-
-    def _make(self) -> None:
-        """Passes for the octrees that there are."""
-        s, device, octrees = self.settings, self.device, self.parts.octrees
-        others = [*octrees[1:], *octrees[:1]] if len(octrees) > 1 else [None]
-        self.injections = [Injection(device, one, other) for one, other in zip(octrees, others, strict=True)]
-        self.reading = Reading(device, *(octree.bricks for octree in octrees))
-        reading = self.reading
+        self.reading = reading = Reading(device, self.octree.bricks)
         self.voxels = Voxels(s.depth, reading.file, reading.bindings, reading.structs, reading.values, skips=True)
         start: dict[str, Any] = {"offset": s.offset, "cover": s.cover, "sky": s.sky, "attenuation": s.attenuation}
         self.gathers_sky = s.sky
@@ -52,9 +44,17 @@ class VoxelCones(Technique):
             reach=s.ambient_distance, **start,
         )  # fmt: skip
         self.specular = SpecularCones(device, self.voxels, step=s.step, **start) if s.glossy else None
+        self._follow()
+
+    def _follow(self) -> None:
+        """Passes that write into the octrees that there are."""
+        s, device, octrees = self.settings, self.device, self.parts.octrees
+        others = [*octrees[1:], *octrees[:1]] if len(octrees) > 1 else [None]
+        self.injections = [Injection(device, one, other) for one, other in zip(octrees, others, strict=True)]
+        self.reading.moving = self.parts.moving.bricks if self.parts.moving else None
         self.bounces = []
         if s.bounces > 1:
-            self.bounces = [Bounces(device, octree, reading, s.bounce_level, s.attenuation) for octree in octrees]
+            self.bounces = [Bounces(device, octree, self.reading, s.bounce_level, s.attenuation) for octree in octrees]
 
     @property
     def octree(self) -> VoxelOctree:
@@ -68,7 +68,7 @@ class VoxelCones(Technique):
 
     def prepare(self, frame: Frame) -> None:
         if self.parts.prepare(frame.gpu_scene):
-            self._make()
+            self._follow()
         self.diffuse.prepare(frame.pixels)
         frame.irradiance = self.diffuse.irradiance
         if self.specular:

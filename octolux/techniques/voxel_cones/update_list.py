@@ -46,7 +46,7 @@ class UpdateList:
         """For the octree's nodes and bricks."""
         for pool in (self._touched, self._nodes):
             pool.need(self.bricks.octree.counts.nodes)
-        self._updates.need(self.bricks.bricks.used)
+        self._updates.need(self.bricks.count)
         begins = np.cumsum([0, *(count for _, count in self.bricks.octree.counts.levels)]).tolist()
         self.levels = [parameters(self.device, level, *begins[level : level + 2]) for level in range(len(begins) - 1)]
         """For each level the parameters of climb.wgsl."""

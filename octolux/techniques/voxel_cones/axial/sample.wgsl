@@ -1,26 +1,24 @@
 // What is met around a place of a node: what the three ways that look against `direction` send, and what faces there.
-{% for part in parts %}
 // What one way sends, and what faces there.
-fn {{ part }}read_way(node: Node, way: u32, scales: u32, within: vec3f, over: vec3f) -> vec4f {
+fn read_way(node: Node, way: u32, scales: u32, within: vec3f, over: vec3f) -> vec4f {
     let brick = brick_of_way((node.first << 6u) | node.ways, way);
     let texel = vec3f(brick_texel(select(brick, 0u, brick == NO_NODE))) + within;
-    let found = textureSampleLevel({{ part }}bricks, brick_sampler, over * texel, 0.0);
+    let found = textureSampleLevel(bricks, brick_sampler, over * texel, 0.0);
     let scale = scale_of((scales >> (8u * (way >> 1u))) & 255u);
     return select(vec4f(scale * found.rgb, found.a), vec4f(0.0), brick == NO_NODE);
 }
 
-fn {{ part }}sample_node(number: u32, place: Place, direction: vec3f) -> vec4f {
-    let node = load_{{ part }}nodes(number);
-    let over = 1.0 / vec3f(textureDimensions({{ part }}bricks));
+fn sample_node(number: u32, place: Place, direction: vec3f) -> vec4f {
+    let node = load_nodes(number);
+    let over = 1.0 / vec3f(textureDimensions(bricks));
     var sum = vec4f(0.0);
     {% for axis in "xyz" %}
     {
         let up = direction.{{ axis }} < 0.0;
         let way = {{ 2 * loop.index0 }}u + select(1u, 0u, up);
         let scales = select(node.scales_down, node.scales_up, up);
-        sum += abs(direction.{{ axis }}) * {{ part }}read_way(node, way, scales, place.within, over);
+        sum += abs(direction.{{ axis }}) * read_way(node, way, scales, place.within, over);
     }
     {% endfor %}
     return sum;
 }
-{% endfor %}

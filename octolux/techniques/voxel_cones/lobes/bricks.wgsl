@@ -31,7 +31,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let code = scale_code(unit * max(max(brightest.r, brightest.g), brightest.b));
     let over = unit / scale_of(code);
     scales[index] = code;
-    let texel = brick_texel(index);
+    let texel = brick_texel(parameters.third + index);
     {% for o in range(8) %}
     {% for corner in borrowed[o] %}
     {

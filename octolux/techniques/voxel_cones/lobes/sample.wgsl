@@ -18,14 +18,13 @@ fn shares_of_ways(up: vec3f, down: vec3f, light: vec3f) -> Shares {
     return Shares(over * sent_up, over * sent_down);
 }
 
-{% for part in parts %}
-fn {{ part }}sample_node(number: u32, place: Place, direction: vec3f) -> vec4f {
-    let node = load_{{ part }}nodes(number);
-    let over = 1.0 / vec3f(textureDimensions({{ part }}bricks));
+fn sample_node(number: u32, place: Place, direction: vec3f) -> vec4f {
+    let node = load_nodes(number);
+    let over = 1.0 / vec3f(textureDimensions(bricks));
     let texel = vec3f(brick_texel(node.first)) + place.within;
-    let light = textureSampleLevel({{ part }}bricks, brick_sampler, over * texel, 0.0);
-    let second = textureSampleLevel({{ part }}bricks, brick_sampler, over * (texel + vec3f(3.0, 0.0, 0.0)), 0.0);
-    let third = textureSampleLevel({{ part }}bricks, brick_sampler, over * (texel + vec3f(6.0, 0.0, 0.0)), 0.0);
+    let light = textureSampleLevel(bricks, brick_sampler, over * texel, 0.0);
+    let second = textureSampleLevel(bricks, brick_sampler, over * (texel + vec3f(3.0, 0.0, 0.0)), 0.0);
+    let third = textureSampleLevel(bricks, brick_sampler, over * (texel + vec3f(6.0, 0.0, 0.0)), 0.0);
     let up = vec3f(second.zw, third.x);
     let down = third.yzw;
     let moment = (vec3f(light.a, second.xy) - {{ 128 / 255 }}) * {{ 255 / 127 }};
@@ -35,4 +34,3 @@ fn {{ part }}sample_node(number: u32, place: Place, direction: vec3f) -> vec4f {
     let opacity = dot(abs(direction), select(down, up, against));
     return vec4f(scale_of(node.scales_up & 255u) * share * light.rgb, opacity);
 }
-{% endfor %}

@@ -8,7 +8,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let index = 3u * (id.x + {{ row }}u * id.y);
     if index >= parameters.count { return; }
     let around = around_node(codes[owners[index] >> 3u]);
-    let texel = brick_texel(index + 2u);
+    let texel = brick_texel(parameters.third + index + 2u);
     {% for o in range(8) %}
     let some_{{ o }} = around[{{ o }}] != NO_NODE;
     let node_{{ o }} = 8u * select(0u, around[{{ o }}], some_{{ o }});
