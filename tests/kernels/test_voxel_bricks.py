@@ -13,6 +13,7 @@ from octolux.raytracing.bvh import triangle_ids
 from octolux.scene.builtin.shapes import box
 from octolux.simulator.voxels.pyramid import facing_levels, intensity_levels, sample
 from octolux.simulator.voxels.surfaces import DIRECTIONS, around
+from octolux.techniques.voxel_cones.representation import REPRESENTATIONS
 from octolux.techniques.voxel_cones.structure import VoxelOctree
 
 WITHIN = 1e-2  # what filtered values may differ by from those of the dense grid
@@ -140,6 +141,24 @@ def test_what_moves_beside_what_is_static(device, depth, count, size):
                                   sampled(whole, points, level, towards), strict=True):  # fmt: skip
                 np.testing.assert_array_equal(one, other, err_msg=f"level {level}")
         assert read(moving).touched.any()
+
+
+@pytest.mark.parametrize("kept", REPRESENTATIONS)
+@pytest.mark.parametrize("room", [100_000, 150_000])
+def test_samples_do_not_hang_on_room(device, kept, room):
+    """Where there is room for more bricks than there are, in a deeper texture, samples are the same bits."""
+    grid, rng = grid_of(5), np.random.default_rng(18)
+    scene, expected = random_scene(grid, 200, 5.0, 15)
+    points, towards = near_and_far(expected, rng)
+    tight, wide = (VoxelOctree(device, 5, representation=kept) for _ in range(2))
+    wide.bricks.bricks.need(room)
+    for octree in (tight, wide):
+        built(device, scene, grid, octree)
+    assert wide.bricks.bricks.resource.size[2] > 4 * tight.bricks.bricks.resource.size[2]
+    for level in range(5):
+        each = [sampled(octree, points, level, towards)[0] for octree in (tight, wide)]
+        np.testing.assert_array_equal(*each, err_msg=f"level {level}")
+        assert each[0].any()
 
 
 def test_octrees_of_other_depths_are_not_read_together(device):

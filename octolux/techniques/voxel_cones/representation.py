@@ -19,9 +19,9 @@ SHONE = Struct("Shone", first_view="u32")
 
 @dataclass(frozen=True)
 class Representation:
-    """folder: of the shaders that know it.  row: bricks along x and y of their texture.  sides: to how many sides a
-    brick's voxels gather light that bounces.  most: of the flux that a voxel reflects what it may send, all sides
-    together.  directed: light is kept with its direction.
+    """folder: of the shaders that know it.  row: bricks along x and y of their texture; of lobes whole nodes.  sides:
+    to how many sides a brick's voxels gather light that bounces.  most: of the flux that a voxel reflects what it may
+    send, all sides together.  directed: light is kept with its direction.
 
     In `axial` a node has a brick for each of six ways that anything in it faces, `ways` and `owners` say for which. In
     `lobes` it has three, side by side: light and x of its moment; y and z, and what faces +x and +y; and what faces +z,
@@ -59,6 +59,5 @@ class Representation:
 
 REPRESENTATIONS = {
     "axial": Representation("techniques/voxel_cones/axial", row=128),
-    # 40 nodes
-    "lobes": Representation("techniques/voxel_cones/lobes", row=120, sides=2, most=sqrt(3.0), directed=True),
+    "lobes": Representation("techniques/voxel_cones/lobes", row=126, sides=2, most=sqrt(3.0), directed=True),
 }
