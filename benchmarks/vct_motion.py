@@ -32,7 +32,7 @@ SMALL, EVERY = "cornell-box", 5
 
 def renderer_of(name: str, depth: int, size: tuple[int, int], texels: int, mode: str = "off") -> Renderer:
     made = Renderer(
-        lit(name, 0), "voxel-cones", preset="fast", settings={"depth": depth}, size=size, device=device(),
+        lit(name, 0), "voxel-cones", preset="fast", settings={"depth": depth, "bounces": 1}, size=size, device=device(),
         exposure=4.0, frame_settings=maps(texels), default_light=False,
     )  # fmt: skip
     made.profiler = Profiler(device(), None if mode == "timed" else mode)

@@ -78,9 +78,9 @@ class Watched:
 def watched(
     device: Device, scene: Scene, camera: Camera | str, words: str = "default", size: tuple[int, int] = SIZE
 ) -> Watched:
-    """One frame. words: preset and changed settings, PRESET[,KEY=VALUE...]; DEPTH unless they say it."""
+    """One frame. words: preset and changed settings, PRESET[,KEY=VALUE...]; DEPTH and one bounce unless they say it."""
     preset, _, changes = words.partition(",")
-    one = choice(f"voxel-cones:{preset},depth={DEPTH}{',' + changes if changes else ''}")
+    one = choice(f"voxel-cones:{preset},depth={DEPTH},bounces=1{',' + changes if changes else ''}")
     renderer = Renderer(
         scene, one.technique, settings=one.settings, size=size, device=device, exposure=0.0, default_light=False,
         frame_settings=MAPS,

@@ -65,7 +65,7 @@ def bent(across: float) -> Mesh:
 
 def renderer(device, scene: Scene, **settings: Any) -> Renderer:
     return Renderer(
-        scene, "voxel-cones", settings={"depth": 6, **settings}, size=SIZE, device=device, exposure=0.0,
+        scene, "voxel-cones", settings={"depth": 6, "bounces": 1, **settings}, size=SIZE, device=device, exposure=0.0,
         default_light=False, frame_settings=small_settings(sky_lights=0, emitter_lights=2),
     )  # fmt: skip
 

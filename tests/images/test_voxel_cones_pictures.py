@@ -14,6 +14,7 @@ from gpu_tools import read_buffer, scene_of, small_settings
 
 from octolux.frame.structs import VPL
 from octolux.gpu.device import Device
+from octolux.gpu.profiler import Profiler
 from octolux.gpu.records import read_records
 from octolux.renderer import Renderer
 from octolux.scene.builtin.shapes import quad
@@ -38,7 +39,8 @@ FLOOR = quad([(-1, 0, 1), (1, 0, 1), (1, 0, -1), (-1, 0, -1)])
 
 def renderer(device, scene: Scene, preset: str = "default", size=SIZE, **settings) -> Renderer:
     return Renderer(
-        scene, "voxel-cones", preset=preset, settings={"depth": 6, **settings}, size=size, device=device, exposure=0.0,
+        scene, "voxel-cones", preset=preset, settings={"depth": 6, "bounces": 1, **settings}, size=size, device=device,
+        exposure=0.0,
         anti_aliasing="off", default_light=False, frame_settings=small_settings(sky_lights=0, emitter_lights=0),
     )  # fmt: skip
 
@@ -134,6 +136,7 @@ def test_a_light_that_moves_touches_little(device, kept):
     assert np.array_equal(after.radiance, fresh.radiance)
     made.scene = scene
     assert np.array_equal(made.render(camera).radiance, before.radiance)
+    technique(made).forget()
     made.render(camera)
     assert read_buffer(device, octree.filtering.updates.count, np.uint32)[0] == 0, "what stays is not touched"
 
@@ -185,3 +188,28 @@ def test_memory_does_not_grow():
         made.render()
         held.append(device.memory.total)
     assert held[4:7] == held[7:10]
+
+
+def test_light_is_made_anew_only_when_it_changes(device):
+    """Frames in which neither lights nor the scene are other than before inject nothing, and have the same bits as one
+    that does; those in which a light or the paint is, do."""
+    scene = replace(load_scene("cornell-box"), lights=[spot(0.1)])
+    made, stages = renderer(device, scene, bounces=3), []
+    made.profiler = Profiler(device, "fenced")
+
+    def drawn() -> np.ndarray:
+        picture = made.render()
+        stages.append("injection" in made.profiler.last_frame())
+        return picture.layers["irradiance"]
+
+    first, kept = drawn(), drawn()
+    technique(made).forget()
+    again = drawn()
+    made.scene = replace(scene, lights=[spot(0.2)])
+    lit = drawn()
+    made.scene = replace(made.scene, materials=[replace(m, base_color=(0.1, 0.5, 0.5)) for m in scene.materials])
+    painted = drawn()
+    assert stages == [True, False, True, True, True]
+    np.testing.assert_array_equal(kept, first)
+    np.testing.assert_array_equal(again, first)
+    assert (lit != first).any() and (painted != lit).any()

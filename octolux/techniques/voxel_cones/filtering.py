@@ -110,6 +110,11 @@ class Filtering:
         updates.note(stage)
         updates.forget(stage)
 
+    def nothing(self) -> None:
+        """Nothing is made anew."""
+        self._listed = True
+        self.device.write(self.updates.count, np.zeros(1, np.uint32))
+
     def updated_nodes(self) -> np.ndarray:
         """Numbers of the nodes with bricks that were made anew the last time, for debug views."""
         bricks = self.bricks

@@ -58,8 +58,9 @@ class VoxelConesSettings(Settings):
         cost="none; less picks out texels, more blurs over the borders of what a texture shows", source="VCT 5.2.1",
     )  # fmt: skip
     bounces: int = setting(
-        1, meaning="times that light is reflected before it reaches what is seen", unit="bounces", allowed=[1, 8],
-        cost="each more than one: a gathering at the scene's coarse voxels, and filtering everything", source="VCT 7.2",
+        4, meaning="times that light is reflected before it reaches what is seen", unit="bounces", allowed=[1, 8],
+        cost="each more than one: a gathering at the scene's coarse voxels, and filtering everything, when lights or "
+        "the scene change", source="VCT 7.2",
     )  # fmt: skip
     bounce_level: int = setting(
         3, meaning="level of the voxels that gather light for further bounces", unit="levels", allowed=[0, 4],

@@ -20,7 +20,7 @@ from .views import VoxelViews
 
 class VoxelCones(Technique):
     """The octree of what is static is built once, that of what moves whenever it does (parts.py); light is injected
-    each frame, and filtered where it is other than before."""
+    when lights or what is drawn have changed, and filtered where it is other than before."""
 
     name, summary = "voxel-cones", "light gathered by cones through an octree of voxels, with occlusion and reflections"
     settings_class = VoxelConesSettings
@@ -33,6 +33,7 @@ class VoxelCones(Technique):
         super().__init__(device, settings)
         s = settings
         self.parts = Parts(device, s.depth, s.texture_level, s.representation, s.interior, read_box(s.box))
+        self._light_of: tuple[object, ...] | None = None
         self.frame: Frame | None = None
         """The last one, for debug views."""
         self.reading = reading = Reading(device, self.octree.bricks)
@@ -48,6 +49,7 @@ class VoxelCones(Technique):
 
     def _follow(self) -> None:
         """Passes that write into the octrees that there are."""
+        self.forget()
         s, device, octrees = self.settings, self.device, self.parts.octrees
         others = [*octrees[1:], *octrees[:1]] if len(octrees) > 1 else [None]
         self.injections = [Injection(device, one, other) for one, other in zip(octrees, others, strict=True)]
@@ -78,11 +80,23 @@ class VoxelCones(Technique):
     def update(self, frame: Frame) -> None:
         self.frame = frame
         new = self.parts.build(frame.profiler, frame.gpu_scene)
+        scene, lights = frame.gpu_scene, frame.lights
+        light_of = (id(scene), scene.moves, lights.packed.tobytes(), lights.total_flux.tobytes())
+        if not new and light_of == self._light_of:
+            for octree in self.parts.octrees:
+                octree.filtering.nothing()
+            return
+        self.forget()  # light that fails half-way is made anew
         with frame.profiler.stage("injection") as stage:
             changed = [injection.run(stage, frame) for injection in self.injections]
         self._filter(frame, everything=new or changed[0] or bool(self.bounces))
         for _ in range(self.settings.bounces - 1):
             self._bounce(frame)
+        self._light_of = light_of
+
+    def forget(self) -> None:
+        """Let the next frame make light anew, though neither lights nor the scene be other than before."""
+        self._light_of = None
 
     def _filter(self, frame: Frame, everything: bool) -> None:
         """What is static first: the other borrows its light, and is small."""
