@@ -21,7 +21,7 @@ from .registry import NeedsData, at_least, at_most, figure
 from .stages import interleaved_stages
 
 HALF, FULL = "voxel-cones,bounces=1", "voxel-cones:full,bounces=1"
-TIMED, SIZE, FRAMES = ("atrium", "corridor"), (1280, 720), 5
+TIMED, SIZE, FRAMES = ("atrium", "corridor"), (640, 360), 5
 GATHERING = ("diffuse cones", "cone filter")
 
 
@@ -29,7 +29,7 @@ GATHERING = ("diffuse cones", "cone filter")
     "faster": at_least(3.0), "mean_error": at_most(1.1),
 })  # fmt: skip
 def vct_half_resolution() -> dict[str, float]:
-    """Cones at a quarter of the pixels: how often the time of gathering at all pixels of 1280x720 is theirs, the least
+    """Cones at a quarter of the pixels: how often the time of gathering at all pixels of 640x360 is theirs, the least
     of two scenes; and trimmed error of the first bounce over that of all pixels' on the comparison set, whose pictures
     have 256x144 pixels: its mean, and by view."""
     faster = []
