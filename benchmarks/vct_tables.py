@@ -90,7 +90,7 @@ def page(made: Sequence[written_tables.Table], frames: int) -> str:
     """The tables as a page of the documents."""
     head = f"""# voxel-cones: the thesis's tables
 
-Tables 6.4 to 6.13 of Drinovsky 2013 by `python -m benchmarks.vct_tables --page {PAGE}`,
+Tables of Drinovsky 2013, section 6, by `python -m benchmarks.vct_tables --page {PAGE}`,
 which writes this page: medians of {frames} frames on
 {device().adapter_name},
 in milliseconds where no other unit is said. Below ours are those of the thesis, of its {thesis.ADAPTER} and its model
