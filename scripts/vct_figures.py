@@ -41,7 +41,6 @@ LIT = ("cornell_point", "corridor", "atrium", "crytek_sun")
 OPEN = ("cornell_point", "atrium", "crytek_sun")
 """Where something is seen of the sky."""
 DEPTHS, CONES = (6, 7, 8, 9), (4, 6, 9, 16)
-BOUNCES = "bounces=4"
 SIZE, PATHS = (256, 144), 64
 CURTAIN = Camera.look_at((0.0, 3.0, 0.0), (1.5, 3.2, 5.0), vertical_fov=np.radians(60.0))
 """Of Crytek Sponza: thin, and lit on one side."""
@@ -49,7 +48,7 @@ CURTAIN = Camera.look_at((0.0, 3.0, 0.0), (1.5, 3.2, 5.0), vertical_fov=np.radia
 
 def light(view: View, words: str, whole: bool) -> np.ndarray:
     """uint8: all light with several bounces, or of one the indirect light alone, a stop brighter."""
-    found = comparison.picture(view, choice(f"{TECHNIQUE},{words}"))
+    found = comparison.picture(view, choice(f"{TECHNIQUE},bounces={4 if whole else 1},{words}"))
     indirect = comparison.diffuse_indirect(found)
     return shown(view, found.pictures["direct"] + indirect) if whole else shown(view, indirect, 1.0)
 
@@ -106,7 +105,7 @@ def each(names: Sequence[str], row: Callable[[View], list[np.ndarray]]) -> np.nd
 def table_16() -> np.ndarray:
     def row(view: View) -> list[np.ndarray]:
         direct = shown(view, comparison._direct(view)[0].pictures["direct"])
-        return [direct, light(view, BOUNCES, whole=True), truth(view, whole=True), visibility(view, BOUNCES)]
+        return [direct, light(view, "depth=8", whole=True), truth(view, whole=True), visibility(view, "depth=8")]
 
     return each(LIT, row)
 
@@ -117,7 +116,7 @@ def table_17() -> np.ndarray:
 
 
 def table_18() -> np.ndarray:
-    words = [f"depth={depth},{BOUNCES}" for depth in DEPTHS]
+    words = [f"depth={depth}" for depth in DEPTHS]
     return each(LIT, lambda view: [*(light(view, each, whole=True) for each in words), truth(view, whole=True)])
 
 
@@ -135,7 +134,7 @@ def figure_1() -> np.ndarray:
     scene = scenes_on_disk.load("crytek_sponza").at(0.0)
     kinds = []
     for kind in ("lobes", "axial"):
-        one = choice(f"{TECHNIQUE},representation={kind}")
+        one = choice(f"{TECHNIQUE},bounces=1,representation={kind}")
         made = Renderer(scene, one.technique, settings=one.settings, size=SIZE, device=device())
         kinds.append((made, made.render(CURTAIN)))
     voxels = pixels(kinds[0][0].technique.debug_views()["voxels:0:light"])
