@@ -28,7 +28,7 @@ from octolux.scene.scene import Scene
 from octolux.simulator.voxels.surfaces import around
 from octolux.techniques import technique_class
 from octolux.techniques.technique import Technique
-from octolux.techniques.voxel_cones.structure import VoxelOctree
+from octolux.techniques.voxel_cones.voxels.structure import VoxelOctree
 
 from . import scenes_on_disk
 from . import vct_thesis as thesis

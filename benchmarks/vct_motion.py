@@ -15,9 +15,9 @@ import numpy as np
 from octolux.gpu.profiler import Profiler
 from octolux.gpu_scene.gpu_scene import GpuScene
 from octolux.renderer import Renderer
-from octolux.techniques.voxel_cones.parts import Parts
-from octolux.techniques.voxel_cones.structure import VoxelOctree
 from octolux.techniques.voxel_cones.technique import VoxelCones
+from octolux.techniques.voxel_cones.voxels.parts import Parts
+from octolux.techniques.voxel_cones.voxels.structure import VoxelOctree
 
 from .lab import device, milliseconds
 from .registry import Bound, at_most, figure

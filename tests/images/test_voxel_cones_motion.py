@@ -18,8 +18,8 @@ from octolux.scene.materials import Material
 from octolux.scene.meshes import Deformable, Instance, Mesh
 from octolux.scene.motion.deformation import deformed
 from octolux.scene.scene import Scene
-from octolux.techniques.voxel_cones.structure import VoxelOctree
 from octolux.techniques.voxel_cones.technique import VoxelCones
+from octolux.techniques.voxel_cones.voxels.structure import VoxelOctree
 
 SIZE = (32, 24)
 PAINT = Material(base_color=(0.7, 0.5, 0.2), double_sided=True, specular=0.5, roughness=0.3)

@@ -23,7 +23,7 @@ from octolux.scene.load import load_scene
 from octolux.scene.materials import Material
 from octolux.scene.scene import Scene
 from octolux.techniques import TECHNIQUES
-from octolux.techniques.voxel_cones.representation import REPRESENTATIONS
+from octolux.techniques.voxel_cones.bricks.representation import REPRESENTATIONS
 from octolux.techniques.voxel_cones.technique import VoxelCones
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # benchmarks is not installed

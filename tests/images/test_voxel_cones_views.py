@@ -14,7 +14,7 @@ from octolux.scene.errors import OctoluxError
 from octolux.scene.lights import DirectionalLight
 from octolux.scene.load import load_scene
 from octolux.techniques.debug_views import is_picture
-from octolux.techniques.voxel_cones.views import WAYS
+from octolux.techniques.voxel_cones.views.views import WAYS
 
 
 @pytest.fixture(scope="module")

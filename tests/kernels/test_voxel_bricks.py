@@ -13,8 +13,8 @@ from octolux.raytracing.bvh import triangle_ids
 from octolux.scene.builtin.shapes import box
 from octolux.simulator.voxels.pyramid import facing_levels, intensity_levels, sample
 from octolux.simulator.voxels.surfaces import DIRECTIONS, around
-from octolux.techniques.voxel_cones.representation import REPRESENTATIONS
-from octolux.techniques.voxel_cones.structure import VoxelOctree
+from octolux.techniques.voxel_cones.bricks.representation import REPRESENTATIONS
+from octolux.techniques.voxel_cones.voxels.structure import VoxelOctree
 
 WITHIN = 1e-2  # what filtered values may differ by from those of the dense grid
 

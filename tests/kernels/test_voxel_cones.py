@@ -1,4 +1,4 @@
-"""Cones on the device (techniques/voxel_cones/gathering.py) against the simulator's."""
+"""Cones on the device (techniques/voxel_cones/cones/gathering.py) against the simulator's."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from octolux.simulator.grid import Grid
 from octolux.simulator.voxels.cones import PHASES, gather, specular_light
 from octolux.simulator.voxels.facing import FacingVoxels
 from octolux.simulator.voxels.filtering import filtered
-from octolux.techniques.voxel_cones.gathering import DiffuseCones, SpecularCones, Voxels
+from octolux.techniques.voxel_cones.cones.gathering import DiffuseCones, SpecularCones, Voxels
 
 DEPTH, N = 4, 16
 GRID = Grid((-1.05, -1.1, -1.0), 0.135, N)

@@ -11,8 +11,8 @@ from voxel_tools import built, cells_of, pack_bright, read, sampled, touch
 from octolux.gpu_scene.gpu_scene import GpuScene
 from octolux.raytracing.bvh import triangle_ids
 from octolux.simulator.voxels.lobes import LobeVoxels, shares_of_ways
-from octolux.techniques.voxel_cones.contents import level_voxels
-from octolux.techniques.voxel_cones.structure import VoxelOctree
+from octolux.techniques.voxel_cones.views.contents import level_voxels
+from octolux.techniques.voxel_cones.voxels.structure import VoxelOctree
 
 BRIGHTEST, UNIT = 9.0, 16.0
 WITHIN = 1e-2  # what filtered values may differ by from those of the dense grid, of the brightest

@@ -9,8 +9,8 @@ from voxel_scenes import grid_of, random_scene
 from voxel_tools import built, cells_of, read, sampled
 
 from octolux.gpu.device import DeviceError
-from octolux.techniques.voxel_cones.pools import Pool
-from octolux.techniques.voxel_cones.structure import VoxelOctree
+from octolux.techniques.voxel_cones.octree.pools import Pool
+from octolux.techniques.voxel_cones.voxels.structure import VoxelOctree
 
 
 def test_nodes_of_a_level_stand_together(device):

@@ -1,4 +1,4 @@
-"""What is static and what moves (techniques/voxel_cones/parts.py): which triangles go where, and the cube of both."""
+"""What is static and what moves (techniques/voxel_cones/voxels/parts.py): whose triangles, and the cube of both."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from octolux.gpu.profiler import Profiler
 from octolux.gpu_scene.gpu_scene import GpuScene
 from octolux.scene.meshes import Instance
 from octolux.simulator.voxels.surfaces import around
-from octolux.techniques.voxel_cones.parts import Parts, cube_of
+from octolux.techniques.voxel_cones.voxels.parts import Parts, cube_of
 
 
 @pytest.mark.parametrize(("depth", "size", "apart"), [(5, 6.0, 0.0), (6, 1.5, 1.5)])

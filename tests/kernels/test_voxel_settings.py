@@ -11,7 +11,7 @@ from octolux.scene.materials import Image, Material, Texture
 from octolux.simulator.grid import Grid
 from octolux.techniques.settings import SettingsError
 from octolux.techniques.voxel_cones.settings import VoxelConesSettings
-from octolux.techniques.voxel_cones.structure import VoxelOctree
+from octolux.techniques.voxel_cones.voxels.structure import VoxelOctree
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""What voxels of level 0 hold of surfaces (techniques/voxel_cones/voxeliser), against simulator/voxels."""
+"""What voxels of level 0 hold of surfaces (techniques/voxel_cones/voxels/voxeliser), against simulator/voxels."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from octolux.scene.meshes import Instance
 from octolux.simulator.grid import Grid
 from octolux.simulator.tonemap import srgb_decode
 from octolux.simulator.voxels.fragments import dominant_axis, fragments
-from octolux.techniques.voxel_cones import structure
-from octolux.techniques.voxel_cones.structure import VoxelOctree
+from octolux.techniques.voxel_cones.voxels import structure
+from octolux.techniques.voxel_cones.voxels.structure import VoxelOctree
 
 OFF_DIAGONAL = ~np.eye(16, dtype=bool)  # along it two triangles share a voxel, each with its own middle
 

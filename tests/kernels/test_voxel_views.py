@@ -1,4 +1,4 @@
-"""Debug views of voxel-cones (techniques/voxel_cones/views.py): what they say is what there is."""
+"""Debug views of voxel-cones (techniques/voxel_cones/views/views.py): what they say is what there is."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ from octolux.simulator.voxels.cones import PHASES, Plane, above, basis, diffuse_
 from octolux.simulator.voxels.fragments import fragments
 from octolux.simulator.voxels.pyramid import facing_levels, intensity_levels
 from octolux.simulator.voxels.surfaces import DIRECTIONS
-from octolux.techniques.voxel_cones.contents import keys_of, level_voxels
-from octolux.techniques.voxel_cones.drawing import NOTHING, Drawing, picture
-from octolux.techniques.voxel_cones.fragment_list import FragmentList
-from octolux.techniques.voxel_cones.pixel_cones import CONE_SAMPLE, PixelCones, drawn_over
+from octolux.techniques.voxel_cones.views.contents import keys_of, level_voxels
+from octolux.techniques.voxel_cones.views.drawing import NOTHING, Drawing, picture
+from octolux.techniques.voxel_cones.views.fragment_list import FragmentList
+from octolux.techniques.voxel_cones.views.pixel_cones import CONE_SAMPLE, PixelCones, drawn_over
 
 TENTH_BITS = 0.5 / 1023  # of shares on coarse levels, which are made of rounded ones
 

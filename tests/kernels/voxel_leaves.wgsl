@@ -1,5 +1,5 @@
 // Which voxel of level 0 points of surfaces lie in: node, corner, number of its record, and whether there is one.
-{{ use("techniques/voxel_cones/leaves.wgsl") }}
+{{ use("techniques/voxel_cones/octree/leaves.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {

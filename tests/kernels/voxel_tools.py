@@ -17,9 +17,9 @@ from octolux.gpu_scene.gpu_scene import GpuScene
 from octolux.scene.meshes import Mesh
 from octolux.simulator.grid import Grid
 from octolux.simulator.voxels.fragments import fragments
-from octolux.techniques.voxel_cones.reading import Reading
-from octolux.techniques.voxel_cones.structure import VOXEL, VoxelOctree
-from octolux.techniques.voxel_cones.voxeliser import CUBE
+from octolux.techniques.voxel_cones.bricks.reading import Reading
+from octolux.techniques.voxel_cones.voxels.structure import VOXEL, VoxelOctree
+from octolux.techniques.voxel_cones.voxels.voxeliser import CUBE
 
 Octrees = VoxelOctree | tuple[VoxelOctree, ...]
 ROUNDING = 1e-4
@@ -141,7 +141,7 @@ def shine(octree: VoxelOctree, light: np.ndarray, unit: float, touched: np.ndarr
 
 
 def touch(octree: VoxelOctree, nodes: np.ndarray) -> None:
-    """techniques/voxel_cones/touch.wgsl."""
+    """techniques/voxel_cones/bricks/touch.wgsl."""
     to, device = octree.filtering.updates.resources, octree.device
     marks = np.zeros(octree.octree.counts.nodes, np.uint32)
     marks[nodes] = 1
@@ -151,7 +151,7 @@ def touch(octree: VoxelOctree, nodes: np.ndarray) -> None:
 
 
 def pack_bright(colors: np.ndarray) -> np.ndarray:
-    """techniques/voxel_cones/bright.wgsl."""
+    """techniques/voxel_cones/bricks/bright.wgsl."""
     largest = np.maximum(colors.max(axis=1), 1e-30)
     exponent = np.clip(np.ceil(np.log2(largest * 512 / 511)), -31, 0)
     codes = np.minimum(np.round(colors * 2.0 ** (9 - exponent)[:, None]), 511).astype(np.uint32)
@@ -163,7 +163,7 @@ def _bytes(packed: np.ndarray) -> np.ndarray:
 
 
 def cells_of(codes: np.ndarray) -> np.ndarray:
-    """Cells (x, y, z) that codes (techniques/voxel_cones/codes.wgsl) stand for, int64 (m, 3)."""
+    """Cells (x, y, z) that codes (techniques/voxel_cones/octree/codes.wgsl) stand for, int64 (m, 3)."""
     codes = codes.astype(np.int64)
     cells = np.zeros((len(codes), 3), np.int64)
     top = np.array([(int(code).bit_length() - 1) // 3 for code in codes], np.int64)

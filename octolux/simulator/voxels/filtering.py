@@ -1,4 +1,5 @@
-"""The mean over the tile of what pixels around received through other cones (techniques/voxel_cones/filter.wgsl)."""
+"""The mean over the tile of what pixels around received through other cones
+(techniques/voxel_cones/cones/filter.wgsl)."""
 
 from __future__ import annotations
 

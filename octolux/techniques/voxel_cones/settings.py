@@ -9,7 +9,7 @@ import numpy as np
 
 from ...simulator.voxels.cones import COVERS
 from ..settings import Form, Settings, setting
-from .representation import REPRESENTATIONS
+from .bricks.representation import REPRESENTATIONS
 
 
 def read_box(text: str) -> tuple[np.ndarray, np.ndarray] | None:

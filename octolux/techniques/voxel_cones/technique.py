@@ -8,14 +8,14 @@ from ...frame.frame import Frame
 from ...gpu.device import Device
 from ..debug_views import DebugViews
 from ..technique import Technique
-from .bounces import Bounces
-from .gathering import DiffuseCones, SpecularCones, Voxels
-from .injection import Injection
-from .parts import Parts
-from .reading import Reading
+from .bricks.reading import Reading
+from .cones.gathering import DiffuseCones, SpecularCones, Voxels
+from .light.bounces import Bounces
+from .light.injection import Injection
 from .settings import VoxelConesSettings, read_box
-from .structure import VoxelOctree
-from .views import VoxelViews
+from .views.views import VoxelViews
+from .voxels.parts import Parts
+from .voxels.structure import VoxelOctree
 
 
 class VoxelCones(Technique):

@@ -1,9 +1,9 @@
 // Bricks from the voxels that nodes and their neighbours at the upper sides own (VCT 5.4.2: edge copy): light that is sent
 // one way, as a share of the brick's scale, and the share of the section that faces there. Each texel has one owner, by
 // whatever way it is reached, so that bricks agree where they touch.
-{{ use("techniques/voxel_cones/octree.wgsl") }}
-{{ use("techniques/voxel_cones/facing.wgsl") }}
-{{ use("techniques/voxel_cones/bright.wgsl") }}
+{{ use("techniques/voxel_cones/octree/octree.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/facing.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/bright.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {

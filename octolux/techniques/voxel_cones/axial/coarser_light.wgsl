@@ -1,8 +1,8 @@
 // Light that a voxel sends one way from that of the eight voxels that one child of its node owns (simulator/voxels/pyramid.py,
 // coarser_intensity). What is behind counts for what the voxel in front lets through; what faces so little of the way that it is
 // nothing sends nothing.
-{{ use("techniques/voxel_cones/facing.wgsl") }}
-{{ use("techniques/voxel_cones/bright.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/facing.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/bright.wgsl") }}
 
 // brick: of the voxel's node and the way.
 fn coarser_light(node: u32, brick: u32, way: u32, corner: u32, child: u32) {

@@ -1,7 +1,7 @@
 // From the fixed-point sums of a group of lights to light that voxels of level 0 send, as a share of a unit (bright.wgsl); after
 // the last group, where it is other than it was, its node is touched. A thread for each of the eight voxels of a brick's node.
-{{ use("techniques/voxel_cones/bright.wgsl") }}
-{{ use("techniques/voxel_cones/touch.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/bright.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/touch.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {

@@ -4,8 +4,8 @@
 // it takes A |n| / edge^2 there: it sends F n / (pi edge^2) each way, whatever A is. Sums are in fixed point, of F n: whole
 // numbers may be added in any order. A way that the voxel does not face, by a shading normal, has its share taken by others.
 {{ use("shaders/octahedral.wgsl") }}
-{{ use("techniques/voxel_cones/leaves.wgsl") }}
-{{ use("techniques/voxel_cones/facing.wgsl") }}
+{{ use("techniques/voxel_cones/octree/leaves.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/facing.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {

@@ -1,8 +1,8 @@
 // Light that voxels of level 0 send: what was injected, and what they reflect of what the coarse voxels around them receive
 // on the same side (receive.wgsl). A thread for each of the eight voxels of a brick's node.
-{{ use("techniques/voxel_cones/octree.wgsl") }}
-{{ use("techniques/voxel_cones/facing.wgsl") }}
-{{ use("techniques/voxel_cones/voxel.wgsl") }}
+{{ use("techniques/voxel_cones/octree/octree.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/facing.wgsl") }}
+{{ use("techniques/voxel_cones/voxels/voxel.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {

@@ -2,7 +2,7 @@
 {% if borrows %}
 // A node at the border of what moves has what is static, whose voxels around it may have no nodes here.
 {% endif %}
-{{ use("techniques/voxel_cones/octree.wgsl") }}
+{{ use("techniques/voxel_cones/octree/octree.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {

@@ -1,8 +1,8 @@
 // The first two of a node's bricks (representation.py) from the voxels that it and its neighbours at the upper sides own, as
 // axial/bricks.wgsl: light and its moment, as shares of one scale, and what faces +x and +y. A moment of 0 is 128/255.
-{{ use("techniques/voxel_cones/octree.wgsl") }}
-{{ use("techniques/voxel_cones/facing.wgsl") }}
-{{ use("techniques/voxel_cones/bright.wgsl") }}
+{{ use("techniques/voxel_cones/octree/octree.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/facing.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/bright.wgsl") }}
 {{ use("techniques/voxel_cones/lobes/moment.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})

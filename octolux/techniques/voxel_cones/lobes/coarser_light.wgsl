@@ -1,7 +1,7 @@
 // Light of a voxel, and its moment, from those of the eight voxels that one child of its node owns (simulator/voxels/lobes.py,
 // `coarser_light`). A node's first brick does it for all.
-{{ use("techniques/voxel_cones/facing.wgsl") }}
-{{ use("techniques/voxel_cones/bright.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/facing.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/bright.wgsl") }}
 {{ use("techniques/voxel_cones/lobes/moment.wgsl") }}
 
 // Of a voxel all that faces either way along any axis.

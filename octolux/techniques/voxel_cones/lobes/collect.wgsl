@@ -1,7 +1,7 @@
 // From the fixed-point sums of a group of lights to light and its moment, as axial/collect.wgsl. A thread for each of the
 // eight voxels of a brick's node; in the first of a node's bricks are sums of light, in the second those of its moment.
-{{ use("techniques/voxel_cones/bright.wgsl") }}
-{{ use("techniques/voxel_cones/touch.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/bright.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/touch.wgsl") }}
 {{ use("techniques/voxel_cones/lobes/moment.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})

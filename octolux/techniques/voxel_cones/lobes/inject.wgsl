@@ -5,8 +5,8 @@
 // are in fixed point, of F |n| and of its moment, three times the mean of the channels: whole numbers may be added in any
 // order. A moment may point either way, so it has half of the room.
 {{ use("shaders/octahedral.wgsl") }}
-{{ use("techniques/voxel_cones/leaves.wgsl") }}
-{{ use("techniques/voxel_cones/facing.wgsl") }}
+{{ use("techniques/voxel_cones/octree/leaves.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/facing.wgsl") }}
 
 // To the light whose map has a VPL.
 fn way_to_light(number: u32, position: vec3f) -> vec3f {

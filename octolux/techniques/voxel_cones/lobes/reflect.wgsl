@@ -1,9 +1,9 @@
 // Light of voxels of level 0 and its moment: as injected, and what they reflect of what the coarse voxels around them receive
 // on six sides (receive.wgsl), as axial/reflect.wgsl. The mean of the ways to where a side's light comes from, by the cosine,
 // is 2/3 of the side's.
-{{ use("techniques/voxel_cones/octree.wgsl") }}
-{{ use("techniques/voxel_cones/facing.wgsl") }}
-{{ use("techniques/voxel_cones/voxel.wgsl") }}
+{{ use("techniques/voxel_cones/octree/octree.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/facing.wgsl") }}
+{{ use("techniques/voxel_cones/voxels/voxel.wgsl") }}
 {{ use("techniques/voxel_cones/lobes/moment.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})

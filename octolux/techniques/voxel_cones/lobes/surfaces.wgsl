@@ -1,7 +1,7 @@
 // The third of a node's bricks (representation.py), which light does not change: what faces +z, -x, -y and -z of the voxels
 // that it and its neighbours at the upper sides own.
-{{ use("techniques/voxel_cones/octree.wgsl") }}
-{{ use("techniques/voxel_cones/facing.wgsl") }}
+{{ use("techniques/voxel_cones/octree/octree.wgsl") }}
+{{ use("techniques/voxel_cones/bricks/facing.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {

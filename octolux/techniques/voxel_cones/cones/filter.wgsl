@@ -1,0 +1,26 @@
+// Irradiance of every pixel from that of pixels around it, of which each tile of 4 x 4 has all phases of directions once: the
+// mean over 4 x 4 of those that are alike (simulator/voxels/filtering.py). At a share of the resolution this also fills in the
+// pixels between.
+{{ use("shaders/view.wgsl") }}
+{{ use("techniques/voxel_cones/cones/alike.wgsl") }}
+
+@compute @workgroup_size({{ workgroup }})
+fn main(@builtin(global_invocation_id) id: vec3u) {
+    if any(id.xy >= textureDimensions(depth_map)) { return; }
+    let own = pixel_plane(vec2i(id.xy));
+    let first = (own.pixel + {{ resolution // 2 }}) / {{ resolution }} - 2;
+    let size = textureDimensions(light_map);
+    var sum = vec4f(0.0);
+    var weights = 0.0;
+    {% for y in range(4) %}{% for x in range(4) %}
+    {
+        let at = first + vec2i({{ x }}, {{ y }});
+        let weight = select(0.0, alike(own, at, textureLoad(place_map, at)), all(vec2u(at) < size));
+        sum += weight * textureLoad(light_map, at);
+        weights += weight;
+    }
+    {% endfor %}{% endfor %}
+    let mean = select(vec4f(0.0, 0.0, 0.0, 1.0), sum / max(weights, 1e-20), own.depth > 0.0 && weights > 0.0);
+    textureStore(irradiance_out, id.xy, vec4f(mean.rgb, 1.0));
+    textureStore(visibility_out, id.xy, vec4f(mean.a));
+}

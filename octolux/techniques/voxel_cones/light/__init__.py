@@ -1,0 +1,1 @@
+"""Light into voxels: injected, and reflected there (VCT 5.5, 7.2)."""

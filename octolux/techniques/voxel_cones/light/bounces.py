@@ -1,0 +1,93 @@
+"""Further bounces: voxels gather light through cones, and send it again (VCT 7.2)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ....gpu.bindings import storage, storage_rw, uniform
+from ....gpu.device import Device
+from ....gpu.layout import Struct
+from ....gpu.limits import DEFAULT_LIMITS
+from ....gpu.passes import ComputePass
+from ....gpu.records import records, words
+from ..bricks.reading import Reading
+from ..cones.gathering import AIR, Voxels, cone_values, wide_cones
+from ..octree.octree import directory_binding
+from ..octree.pools import OWN, ROW, WORKGROUP, Pool, threads
+from ..voxels.structure import VOXEL, VoxelOctree
+
+# Bricks of level 0 and of the coarse level, the first and how many. first_leaf: node of level 0. per_unit: 1 / nits.
+BOUNCE = Struct(
+    "Bounce", first="u32", count="u32", coarse_first="u32", coarse_count="u32", first_leaf="u32", per_unit="f32"
+)
+CONES, PER_LEVEL, WIDTH = 8, 2, 1.0  # what arrives is spread over a coarse voxel: the cheapest cones will do
+
+
+class Bounces:
+    """Adds to what was injected what voxels reflect of it: the same light from scratch in every frame.
+
+    level: of the voxels that gather; those of level 0 in them reflect, each with its own albedo, what these receive. A
+    voxel receives a mean of radiances that others send, so no bounce is brighter than its light.
+
+    octree: one of those that `reading` reads. Of two each has Bounces, which take turns: all gather before any
+    reflects, and that of what is static is filtered before the other borrows from it.  attenuation: 1/m, of light on
+    its way through the cube.
+    """
+
+    def __init__(
+        self, device: Device, octree: VoxelOctree, reading: Reading, level: int, attenuation: float = 0.0
+    ):  # fmt: skip
+        self.device, self.octree, self._reading, self._level = device, octree, reading, level
+        kept = octree.bricks.representation
+        size = 4 * OWN * kept.sides  # bytes of a brick
+        most = DEFAULT_LIMITS["max-storage-buffer-binding-size"] // size
+        self._received = Pool("bricks", lambda n: device.buffer("voxel light", size=size * n), limit=most)
+        voxels = Voxels(octree.depth, reading.file, reading.bindings, reading.structs, reading.values)
+        own = [uniform("bounce", BOUNCE), storage("owners", "u32"), storage("codes", "u32"), storage("facing", "vec2u")]
+        self._attenuation = attenuation
+        air = [uniform("air", AIR)] if attenuation else []
+        self._receive = ComputePass(
+            device, "receive", "techniques/voxel_cones/light/receive.wgsl",
+            [*own, *air, *reading.bindings, storage_rw("received", "u32", "write")],
+            structs=[BOUNCE, *([AIR] if air else []), *reading.structs], workgroup=WORKGROUP, row=ROW, level=level,
+            sides=kept.sides, **wide_cones(CONES, PER_LEVEL, WIDTH),
+            **cone_values(voxels, 1.0, "surfaces", attenuation > 0.0),
+        )  # fmt: skip
+        self._reflect = ComputePass(
+            device, "reflect", kept.file("reflect"),
+            [*own, directory_binding(), words("leaves"), records("voxels", VOXEL), storage("ways", "u32"),
+             storage("received", "u32"), storage("injected_light", "u32"), storage_rw("light", "u32", "write")],
+            structs=[BOUNCE, VOXEL], workgroup=WORKGROUP, level=level, **{**octree.octree.values, "row": ROW},
+        )  # fmt: skip
+
+    def receive(self, stage: Any, unit: float) -> None:
+        """What the coarse voxels receive, of light that is filtered."""
+        coarse = self.octree.bricks.levels[self._level][1]
+        self._received.need(coarse)
+        sides = self.octree.bricks.representation.sides
+        packed = AIR.pack(absorbed=self._attenuation * self.octree.grid.cell_size, reach=0.0)
+        air = {"air": self.device.uniform("voxel light", packed)} if self._attenuation else {}
+        self._receive.run(stage, threads(OWN * sides * coarse), **self._own(unit), received=self._received.resource,
+                          **air, **self._reading.resources)  # fmt: skip
+
+    def reflect(self, stage: Any, injected: Any, unit: float) -> None:
+        """What was injected (buffer `injected`, of the bricks of level 0), and what is reflected, filtered."""
+        octree, bricks = self.octree.octree, self.octree.bricks
+        self._reflect.run(
+            stage, threads(OWN * bricks.levels[0][1]), **self._own(unit), received=self._received.resource,
+            directory=octree.directory, leaves=octree.leaves.resource, voxels=self.octree.voxels.resource,
+            ways=bricks.ways.resource, injected_light=injected, light=bricks.light.resource,
+        )  # fmt: skip
+        self.octree.filtering.everything(stage, unit)
+
+    def _own(self, unit: float) -> dict[str, Any]:
+        bricks, octree = self.octree.bricks, self.octree.octree
+        (first, count), (coarse_first, coarse_count) = bricks.levels[0], bricks.levels[self._level]
+        given = BOUNCE.pack(
+            first=first, count=count, coarse_first=coarse_first, coarse_count=coarse_count,
+            first_leaf=octree.counts.levels[0][0], per_unit=1.0 / unit,
+        )  # fmt: skip
+        return {
+            "bounce": self.device.uniform("voxel light", given), "owners": bricks.owners.resource,
+            "codes": octree.codes.resource, "facing": bricks.facing.resource,
+        }  # fmt: skip

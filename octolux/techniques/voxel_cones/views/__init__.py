@@ -1,0 +1,1 @@
+"""Debug views of the octree, its fragments and its cones."""
