@@ -21,6 +21,7 @@ from octolux.scene.builtin.shapes import quad
 from octolux.scene.lights import DirectionalLight, PointLight, SpotLight
 from octolux.scene.load import load_scene
 from octolux.scene.materials import Material
+from octolux.scene.medium import Medium
 from octolux.scene.scene import Scene
 from octolux.techniques import TECHNIQUES
 from octolux.techniques.voxel_cones.bricks.representation import REPRESENTATIONS
@@ -213,3 +214,17 @@ def test_light_is_made_anew_only_when_it_changes(device):
     np.testing.assert_array_equal(kept, first)
     np.testing.assert_array_equal(again, first)
     assert (lit != first).any() and (painted != lit).any()
+
+
+def test_a_medium_that_changes_dims_what_reflects(device):
+    """Air that changes under lights that stay: frames are a fresh renderer's."""
+    scene = load_scene("cornell-box")
+    made, means = renderer(device, scene), []
+    for absorbed in (0.5, 2.0):
+        medium = Medium(absorption=(absorbed,) * 3)
+        made.scene = replace(scene, medium=medium)
+        irradiance = made.render().layers["irradiance"]
+        fresh = renderer(device, made.scene).render()
+        np.testing.assert_array_equal(irradiance, fresh.layers["irradiance"])
+        means.append(float(irradiance.mean()))
+    assert means[0] > means[1] > 0.0

@@ -81,7 +81,8 @@ class VoxelCones(Technique):
         self.frame = frame
         new = self.parts.build(frame.profiler, frame.gpu_scene)
         scene, lights = frame.gpu_scene, frame.lights
-        light_of = (id(scene), scene.moves, lights.packed.tobytes(), lights.total_flux.tobytes())
+        medium = frame.scene.medium  # which dims light on its way to what reflects it
+        light_of = (id(scene), scene.moves, medium, lights.packed.tobytes(), lights.total_flux.tobytes())
         if not new and light_of == self._light_of:
             for octree in self.parts.octrees:
                 octree.filtering.nothing()
