@@ -100,6 +100,7 @@ class Renderer:
             if not isinstance(settings, Settings):
                 settings = chosen.settings_class.make(preset, **(settings or {}))
             self.technique = chosen(self.device, settings)
+        self._failed = False  # the last frame: what a technique keeps of it may never have been made
         self._passes_of = -1
         self._rsm: RSMPass | None = None  # made when a technique needs it
         self._fog: FogPass | None = None  # made when a scene has a medium
@@ -138,9 +139,7 @@ class Renderer:
         if self.exposure is None:
             self.meter(camera)
         with self.device.guard():
-            frame = self._begin(camera, self.samples, self.profiler)
-            with self.profiler.frame():
-                self._draw(frame)
+            frame = self._drawn(self._begin(camera, self.samples, self.profiler))
             picture = Picture(self.device, frame, self.exposure, self._composite.tone_map, self._before(camera))
         self.start = None
         lists: dict[str, Any] = {name: list(getattr(self.scene, name)) for name in _LISTS}
@@ -152,12 +151,19 @@ class Renderer:
         """Set the exposure from the mean luminance of what `camera` sees, for all frames that follow; returns EV100."""
         off = Profiler(self.device, "off")  # a frame that is not shown is none of those timed
         with self.device.guard():
-            frame = self._begin(camera, 1, off, metering=True)
-            with off.frame():
-                self._draw(frame)
+            frame = self._drawn(self._begin(camera, 1, off, metering=True))
             luminance = Picture(self.device, frame, 0.0).mean_luminance()
         self.exposure = display_exposure(max(luminance, _DARKEST))
         return self.exposure
+
+    def _drawn(self, frame: Frame) -> Frame:
+        if self._failed:
+            self.technique = type(self.technique)(self.device, self.technique.settings)
+        self._failed = True
+        with frame.profiler.frame():
+            self._draw(frame)
+        self._failed = False
+        return frame
 
     def _draw(self, frame: Frame) -> None:
         view = frame.views[0]

@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from octolux.frame.composite import CompositePass
 from octolux.frame.frame import FrameSettings
+from octolux.gpu.device import DeviceError
 from octolux.renderer import Renderer
 from octolux.scene.load import load_scene
 from octolux.scene.meshes import Instance
@@ -98,3 +100,26 @@ def test_a_changed_material_and_camera(renderer):
     assert not same(before, changed) and same(changed, fresh(renderer))
     renderer.scene.materials[:] = materials
     assert same(before, renderer.render())
+
+
+@pytest.mark.parametrize("technique", ["octree-lpv", "cascaded-lpv", "voxel-cones"])
+def test_a_frame_that_fails_leaves_nothing(device, monkeypatch, technique):
+    """What techniques keep from frame to frame is made anew after one whose commands were never carried out."""
+    scene = load_scene("cornell-box")
+
+    def renderer() -> Renderer:
+        settings = {"n": 16} if technique.endswith("lpv") else {"depth": 6, "bounces": 1}
+        frame = FrameSettings(shadow_resolution=64, rsm_resolution=32)
+        return Renderer(
+            scene, technique, settings=settings, size=(32, 24), exposure=0.0, device=device, frame_settings=frame
+        )
+
+    def fails(*given: object) -> None:
+        raise DeviceError("full")
+
+    made = renderer()
+    with monkeypatch.context() as patched:
+        patched.setattr(CompositePass, "run", fails)
+        with pytest.raises(DeviceError, match="full"):
+            made.render()
+    assert np.array_equal(made.render().radiance, renderer().render().radiance)
