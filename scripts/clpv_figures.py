@@ -12,29 +12,23 @@ from __future__ import annotations
 
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
-from PIL import Image
+from paper_figures import save  # also finds benchmarks, which is not installed
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))  # benchmarks is not installed
+from benchmarks.clpv_table1 import base_scene
+from benchmarks.lab import device
+from benchmarks.olpv_scene import SCENES
+from octolux.compare.choices import choice
+from octolux.compare.metrics import brightness_map
+from octolux.compare.rendering import Rendering, Studio, black
+from octolux.frame.frame import FrameSettings
+from octolux.scene.images.cache import cache_folder, content_key
+from octolux.scene.materials import Image as Texels
+from octolux.scene.materials import Material
+from octolux.scene.scene import Scene
+from octolux.simulator.tonemap import display
 
-from benchmarks.clpv_table1 import base_scene  # noqa: E402
-from benchmarks.lab import device  # noqa: E402
-from benchmarks.olpv_scene import SCENES  # noqa: E402
-from benchmarks.registry import NeedsData  # noqa: E402
-from octolux.compare.choices import choice  # noqa: E402
-from octolux.compare.metrics import brightness_map  # noqa: E402
-from octolux.compare.rendering import Rendering, Studio, black  # noqa: E402
-from octolux.frame.frame import FrameSettings  # noqa: E402
-from octolux.scene.images.cache import cache_folder, content_key  # noqa: E402
-from octolux.scene.materials import Image as Texels  # noqa: E402
-from octolux.scene.materials import Material  # noqa: E402
-from octolux.scene.scene import Scene  # noqa: E402
-from octolux.simulator.tonemap import display  # noqa: E402
-
-FOLDER = ROOT / "docs" / "images"
 MAPS = FrameSettings(sky_lights=0, emitter_lights=0)
 # EV100, without textures and with: indirect light is seen, and the sunlit floor is white, as in the paper.
 BRIGHT, DIM = 9.5, 8.5
@@ -124,23 +118,5 @@ def _rows(pictures: list[list[np.ndarray]]) -> np.ndarray:
 
 FIGURES = {"6": figure_6, "7": figure_7, "12": figure_12}
 
-
-def main() -> int:
-    """Exit code 0, or 2 for a figure that is not here or data that is not there."""
-    wanted = sys.argv[1:] or list(FIGURES)
-    if unknown := [name for name in wanted if name not in FIGURES]:
-        print(f"error: There is no figure {', '.join(unknown)}. There are: {', '.join(FIGURES)}.", file=sys.stderr)
-        return 2
-    for name in wanted:
-        path = FOLDER / f"clpv-figure-{name}.jpg"
-        try:
-            Image.fromarray(FIGURES[name]()).save(path, quality=85, optimize=True)
-        except NeedsData as missing:
-            print(f"error: figure {name} needs OCTOLUX_DATA ({missing})", file=sys.stderr)
-            return 2
-        print(f"{path.relative_to(ROOT)}: {path.stat().st_size / 1000:.0f} kB")
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(save(FIGURES, "clpv-figure-", ""))

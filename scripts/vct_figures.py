@@ -13,29 +13,23 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from clpv_figures import ALBEDO, untextured
-from PIL import Image
+from paper_figures import save  # also finds benchmarks, which is not installed
 
-ROOT = Path(__file__).resolve().parent.parent
-sys.path.insert(0, str(ROOT))  # benchmarks is not installed
+from benchmarks import comparison, scenes_on_disk
+from benchmarks.comparison_set import VIEWS, View, reference, scene_of
+from benchmarks.lab import device
+from octolux.compare.choices import choice
+from octolux.renderer import Renderer
+from octolux.scene.cameras import Camera
+from octolux.scene.environment import Environment
+from octolux.scene.scene import Scene
+from octolux.simulator.tonemap import signal, srgb_encode
+from octolux.techniques.voxel_cones.technique import VoxelCones
 
-from benchmarks import comparison, scenes_on_disk  # noqa: E402
-from benchmarks.comparison_set import VIEWS, View, reference, scene_of  # noqa: E402
-from benchmarks.lab import device  # noqa: E402
-from benchmarks.registry import NeedsData  # noqa: E402
-from octolux.compare.choices import choice  # noqa: E402
-from octolux.renderer import Renderer  # noqa: E402
-from octolux.scene.cameras import Camera  # noqa: E402
-from octolux.scene.environment import Environment  # noqa: E402
-from octolux.scene.scene import Scene  # noqa: E402
-from octolux.simulator.tonemap import signal, srgb_encode  # noqa: E402
-from octolux.techniques.voxel_cones.technique import VoxelCones  # noqa: E402
-
-FOLDER = ROOT / "docs" / "images"
 TECHNIQUE = "voxel-cones:full"
 LIT = ("cornell_point", "corridor", "atrium", "crytek_sun")
 OPEN = ("cornell_point", "atrium", "crytek_sun")
@@ -148,23 +142,5 @@ FIGURES = {
     "16": table_16, "17": table_17, "18": table_18, "19": table_19, "20": table_20, "1": figure_1,
 }  # fmt: skip
 
-
-def main() -> int:
-    """Exit code 0, or 2 for a figure that is not here or data that is not there."""
-    wanted = sys.argv[1:] or list(FIGURES)
-    if unknown := [name for name in wanted if name not in FIGURES]:
-        print(f"error: There is no figure {', '.join(unknown)}. There are: {', '.join(FIGURES)}.", file=sys.stderr)
-        return 2
-    for name in wanted:
-        path = FOLDER / f"vct-6-{name}.jpg"
-        try:
-            Image.fromarray(FIGURES[name]()).save(path, quality=85, optimize=True)
-        except NeedsData as missing:
-            print(f"error: figure 6.{name} needs OCTOLUX_DATA ({missing})", file=sys.stderr)
-            return 2
-        print(f"{path.relative_to(ROOT)}: {path.stat().st_size / 1000:.0f} kB")
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(save(FIGURES, "vct-6-", "6."))

@@ -25,8 +25,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
         let raw = textureLoad(raw_map, at).xy;
         let there = min({{ resolution }} * at + {{ resolution // 2 }}, vec2i(size) - 1);
         let moved = vec2f(there - pixel);
-        let height = (raw.y - depth) * ahead + dot(normal, moved.x * (view.origin_dx + raw.y * view.direction_dx)
-            + moved.y * (view.origin_dy + raw.y * view.direction_dy)) / width;
+        let height = (raw.y - depth) * ahead + dot(normal, between_rays(view, moved, raw.y)) / width;
         let near = max(1.0 - abs(height), {{ least_weight }});
         sum += select(vec2f(0.0), near * vec2f(raw.x, 1.0), raw.y > 0.0 && all(vec2u(at) < raw_size));
     }

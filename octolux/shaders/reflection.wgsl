@@ -1,4 +1,4 @@
-// What a surface makes of light out of its lobe: simulator/lpv/glossy.py, `reflected_direction`, and simulator/environment.py,
+// What a surface makes of light out of its lobe: simulator/reflection.py, `reflected_direction`, and simulator/environment.py,
 // `brdf_table`.
 {{ use("shaders/brdf.wgsl") }}
 {{ use("shaders/even_reflection.wgsl") }}

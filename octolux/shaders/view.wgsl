@@ -10,3 +10,8 @@ fn view_ray(view: View, pixel: vec2f) -> Ray {
         view.direction + pixel.x * view.direction_dx + pixel.y * view.direction_dy,
     );
 }
+
+// The way at one depth between the rays of two pixels that are `moved` apart.
+fn between_rays(view: View, moved: vec2f, depth: f32) -> vec3f {
+    return moved.x * (view.origin_dx + depth * view.direction_dx) + moved.y * (view.origin_dy + depth * view.direction_dy);
+}

@@ -12,8 +12,9 @@ from octolux.simulator.brdf import alpha_of
 from octolux.simulator.grid import Grid
 from octolux.simulator.lpv import glossy
 from octolux.simulator.lpv.geometry import BEHIND
-from octolux.simulator.lpv.glossy import CONE, FORGETS, LEFT, MET, NEAR, Surfaces
+from octolux.simulator.lpv.glossy import FORGETS, LEFT, MET, NEAR, Surfaces
 from octolux.simulator.lpv.injection import inject
+from octolux.simulator.reflection import CONE, reflected_direction
 
 N, H = 16, 0.25
 GRID = Grid((0.0, 0.0, 0.0), H, N)
@@ -229,16 +230,16 @@ def test_reflected_directions():
     _, to_eye = rays(500, 0, 1, seed=2)
     _, tilt = rays(500, 0, 1, seed=4)
     to_eye *= np.sign(np.sum(to_eye * normal, axis=-1, keepdims=True))
-    mirror = glossy.reflected_direction(to_eye, normal, normal, 0.0)
+    mirror = reflected_direction(to_eye, normal, normal, 0.0)
     half = mirror + to_eye
     np.testing.assert_allclose(np.cross(half, normal), 0.0, atol=2 * float(alpha_of(0.0)))
     geometric = normal + 0.8 * tilt
     geometric /= np.linalg.norm(geometric, axis=-1, keepdims=True)
     for roughness in (0.0, 0.5, 1.0):
-        found = glossy.reflected_direction(to_eye, normal, geometric, roughness)
+        found = reflected_direction(to_eye, normal, geometric, roughness)
         assert np.all(np.sum(found * geometric, axis=-1) >= -1e-12)
         np.testing.assert_allclose(np.linalg.norm(found, axis=-1), 1.0)
-    np.testing.assert_allclose(glossy.reflected_direction(to_eye, normal, normal, 1.0), normal)
+    np.testing.assert_allclose(reflected_direction(to_eye, normal, normal, 1.0), normal)
 
 
 def test_the_papers_mean():

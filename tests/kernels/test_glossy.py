@@ -19,6 +19,7 @@ from octolux.simulator.environment import brdf_table
 from octolux.simulator.lpv import cascades, glossy
 from octolux.simulator.lpv.glossy import Surfaces
 from octolux.simulator.lpv.octree import level_sizes
+from octolux.simulator.reflection import reflected_direction
 from octolux.techniques.lpv.constants import pack_grids, storage_scale
 from octolux.techniques.lpv.glossy.glossy import Glossy, PaperGlossy
 from octolux.techniques.lpv.levels import Levels
@@ -162,7 +163,7 @@ def test_reflections(device, step):
     s, what = seen(device), scene()
     found, at = run(device, Glossy(device, LEVELS, step=step), what)[s.inside], s.inside
     (base, start), roughness = starts(s), s.material.roughness[at]
-    towards = glossy.reflected_direction(s.to_eye[at], s.normals[at], s.geometric[at], roughness)
+    towards = reflected_direction(s.to_eye[at], s.normals[at], s.geometric[at], roughness)
     shifts = np.concatenate([np.zeros((1, 3)), 1e-4 * np.random.default_rng(1).normal(size=(3, 3))])
     results = [glossy.march(what.levels, start + shift, towards, roughness, base, step=step) for shift in shifts]
     expected, albedo = results[0], lobe_albedo(s)[at]
@@ -253,7 +254,7 @@ def test_the_papers_mean(device, cells):
     found = read(device, made)[s.inside] / lobe_albedo(s)[s.inside]
     base, start = starts(s)
     at = s.inside
-    towards = glossy.reflected_direction(s.to_eye[at], s.normals[at], s.geometric[at], s.material.roughness[at])
+    towards = reflected_direction(s.to_eye[at], s.normals[at], s.geometric[at], s.material.roughness[at])
     light = LEVELS.split(what.injected)
     for i, window in enumerate(WINDOWS):
         r = base == i

@@ -20,18 +20,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import pi, sqrt
+from math import pi
 
 import numpy as np
 
 from octolux.simulator import sh
 from octolux.simulator.brdf import alpha_of
 from octolux.simulator.lpv.cones import SHORT
-
-CONE = sqrt(2.0 * pi)
-"""Edge of the cells that resolve a GGX lobe, over its alpha and the length of the way. A lobe of half vectors has the
-solid angle 1 / D(1) = pi alpha^2, that of directions four times as much (dl = 4 v.h dh; Walter et al. 2007, 14): a
-square of 2 sqrt(pi) alpha. Cells are filtered by a tent, whose variance is h^2 / 6; that of a square is s^2 / 12."""
+from octolux.simulator.reflection import CONE
 
 LEFT = 2.0**-9
 """Share of a ray that is no longer followed: half a step of an 8-bit picture."""
@@ -96,18 +92,6 @@ def coarser_squares(squares, steps: int) -> np.ndarray:
     """The areas `squares` [z][y][x][6] in cells 2^steps times as large, in their cross sections, at most 1 each."""
     size, n = 1 << steps, squares.shape[0] >> steps
     return np.minimum(1.0, np.sum(squares.reshape(n, size, n, size, n, size, 6), axis=(1, 3, 5)) / size**2)
-
-
-def reflected_direction(to_eye, normal, geometric, roughness) -> np.ndarray:
-    """Unit directions (M, 3) in which the lobe is strongest: from the mirrored one towards the normal, as it is rough
-    (Lagarde & de Rousiers 2014, listing 22), and above the surface itself."""
-    to_eye, normal, geometric = (np.asarray(v, dtype=np.float64) for v in (to_eye, normal, geometric))
-    mirrored = 2.0 * np.sum(normal * to_eye, axis=-1, keepdims=True) * normal - to_eye
-    alpha = np.broadcast_to(alpha_of(roughness), mirrored.shape[:-1])[..., None]
-    weight = (1.0 - alpha) * (np.sqrt(1.0 - alpha) + alpha)
-    direction = normal + weight * (mirrored - normal)
-    direction = direction - 2.0 * np.minimum(0.0, np.sum(direction * geometric, axis=-1, keepdims=True)) * geometric
-    return direction / np.linalg.norm(direction, axis=-1, keepdims=True)
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..brdf import alpha_of
-from ..lpv.glossy import CONE, reflected_direction
+from ..reflection import CONE, reflected_direction
 
 SIZE = sqrt(3.0 / 8.0)
 PHASES = 16
@@ -242,7 +242,7 @@ def specular_light(
 ) -> tuple[np.ndarray, Traced]:  # fmt: skip
     """Directions (m, 3) and what a cone along each brings, before the BRDF's albedo, to points (m, 3) in voxels.
 
-    The lobe's direction and width are those of simulator/lpv/glossy.py: CONE alpha is the edge of voxels that resolve a
+    The lobe's direction and width are those of simulator/reflection.py: CONE alpha is the edge of voxels that resolve a
     GGX lobe, over the distance. Samples are adjacent (VCT 5.6), `step` voxels of their level apart.
     """
     towards = reflected_direction(to_eye, normals, geometric, roughness)

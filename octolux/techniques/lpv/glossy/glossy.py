@@ -14,6 +14,7 @@ from ....gpu.passes import ComputePass
 from ....simulator.lpv import glossy
 from ....simulator.lpv.cascades import transition
 from ....simulator.lpv.cones import SHORT
+from ....simulator.reflection import CONE
 from ..constants import GRID, SH_CONSTANTS, grids_binding
 from ..levels import Levels
 from ..lookup import CHANNELS
@@ -47,7 +48,7 @@ class _Rays:
             device, "glossy", "techniques/lpv/glossy/glossy.wgsl",
             [*seen, grids_binding(levels.windows), windows_binding(levels.windows), storage("peak", "u32"), *more,
              sampler("volume_sampler"), storage_texture("light_out", "rgba32float")],
-            structs=[VIEW, GRID, WINDOW], march=march, n=self.n, windows=levels.windows, cone=glossy.CONE,
+            structs=[VIEW, GRID, WINDOW], march=march, n=self.n, windows=levels.windows, cone=CONE,
             lookup_offset=float(lookup_offset), transition=transition(self.n), darkest=_DARKEST, **common, **values,
         )  # fmt: skip
         if resolution > 1:

@@ -3,30 +3,23 @@
 // A surface of area A and normal n that reflects flux F has the radiance F / (pi A), and of a voxel's section across an axis
 // it takes A |n| / edge^2 there: it sends F n / (pi edge^2) each way, whatever A is. Sums are in fixed point, of F n: whole
 // numbers may be added in any order. A way that the voxel does not face, by a shading normal, has its share taken by others.
-{{ use("shaders/octahedral.wgsl") }}
-{{ use("techniques/voxel_cones/octree/leaves.wgsl") }}
-{{ use("techniques/voxel_cones/bricks/facing.wgsl") }}
+{{ use("techniques/voxel_cones/light/arrival.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
     let index = id.x + {{ row }}u * id.y;
     if index >= source.count { return; }
     let vpl = load_vpls(source.first + index);
-    let normal = unpack_unit_vector(vpl.normal);
-    let leaf = leaf_of_surface(to_voxels(vpl.position), normal);
-    if leaf.node == NO_NODE || all(vpl.flux == vec3f(0.0)) { return; }
-    let shares = facing[8u * leaf.node + leaf.corner];
-    let up = select(vec3f(0.0), max(normal, vec3f(0.0)), unpack_shares(shares.x) > vec3f(0.0));
-    let down = select(vec3f(0.0), max(-normal, vec3f(0.0)), unpack_shares(shares.y) > vec3f(0.0));
-    let square = dot(up, up) + dot(down, down);
-    let flux = source.scale * vpl.flux * select(0.0, inverseSqrt(square), square > 0.0);
+    let arrival = arrival_of(vpl);
+    if arrival.square == 0.0 { return; }
+    let flux = source.scale * vpl.flux * inverseSqrt(arrival.square);
     {% for axis in "xyz" %}{% for side in ("up", "down") %}
     {
-        let brick = brick_of_way(ways[leaf.node], {{ 2 * "xyz".index(axis) + (side == "down") }}u);
-        if {{ side }}.{{ axis }} > 0.0 && brick - injected.first < injected.count {
-            let slot = 3u * (8u * (brick - injected.first) + leaf.corner);
+        let brick = brick_of_way(ways[arrival.node], {{ 2 * "xyz".index(axis) + (side == "down") }}u);
+        if arrival.{{ side }}.{{ axis }} > 0.0 && brick - injected.first < injected.count {
+            let slot = 3u * (8u * (brick - injected.first) + arrival.corner);
             {% for channel in range(3) %}
-            atomicAdd(&sums[slot + {{ channel }}u], u32(round({{ side }}.{{ axis }} * flux[{{ channel }}])));
+            atomicAdd(&sums[slot + {{ channel }}u], u32(round(arrival.{{ side }}.{{ axis }} * flux[{{ channel }}])));
             {% endfor %}
         }
     }

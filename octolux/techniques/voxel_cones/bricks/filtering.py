@@ -15,8 +15,7 @@ from ..octree.pools import OWN, parameters, threads
 from .bricks import NODE, PARAMETERS_OF, Bricks
 from .update_list import UpdateList
 
-_OF_LIGHT = ("bricks", "surfaces")
-"""Shaders that know how light is kept (representation.py)."""
+_FOLDER = "techniques/voxel_cones/bricks"
 _DARK = float(np.finfo(np.float32).tiny)
 
 
@@ -41,7 +40,9 @@ class Filtering:
         self._copy = self._made("bricks", copied, listed=False)
         self._surfaces = None
         if bricks.representation.directed:
-            self._surfaces = self._made("surfaces", [*nodes, facing, owners, brick_out[1]])
+            self._surfaces = self._made(
+                "surfaces", [*nodes, facing, owners, brick_out[1]], folder=bricks.representation.folder
+            )
         if bricks.static:
             theirs, their_ways = texture("static_directory", "uint"), storage("static_ways", "u32")
             self._borrow = self._made(
@@ -62,11 +63,11 @@ class Filtering:
             self._copy_listed = self._made("bricks", [*copied, *listed], listed=True)
             self._record_listed = self._made("records", [*record, owners, *listed], listed=True)
 
-    def _made(self, file: str, bindings: list[Binding], **values: Any) -> ComputePass:
+    def _made(self, file: str, bindings: list[Binding], folder: str = _FOLDER, **values: Any) -> ComputePass:
         reads = [binding.name for binding in bindings if binding.name == "ways"]
-        light = {"coarser_light": self.bricks.representation.file("coarser_light")}
+        kept = self.bricks.representation
+        light = {**{name: kept.file(name) for name in ("coarser_light", "texels")}, "together": kept.together}
         given = {**self.bricks.pass_values, **light, "reads": reads, **values}
-        folder = self.bricks.representation.folder if file in _OF_LIGHT else "techniques/voxel_cones/bricks"
         return ComputePass(self.device, file, f"{folder}/{file}.wgsl", bindings, **given)
 
     def surfaces(self, stage: Any) -> None:

@@ -21,7 +21,8 @@ SHONE = Struct("Shone", first_view="u32")
 class Representation:
     """folder: of the shaders that know it.  row: bricks along x and y of their texture; of lobes whole nodes.  sides:
     to how many sides a brick's voxels gather light that bounces.  most: of the flux that a voxel reflects what it may
-    send, all sides together.  directed: light is kept with its direction.
+    send, all sides together.  together: bricks of a node that are written at once, with one scale.  directed: light is
+    kept with its direction.
 
     In `axial` a node has a brick for each of six ways that anything in it faces, `ways` and `owners` say for which. In
     `lobes` it has three, side by side: light and x of its moment; y and z, and what faces +x and +y; and what faces +z,
@@ -33,6 +34,7 @@ class Representation:
     row: int
     sides: int = 1
     most: float = 1.0
+    together: int = 1
     directed: bool = False
 
     def file(self, name: str) -> str:
@@ -59,5 +61,7 @@ class Representation:
 
 REPRESENTATIONS = {
     "axial": Representation("techniques/voxel_cones/axial", row=128),
-    "lobes": Representation("techniques/voxel_cones/lobes", row=126, sides=2, most=sqrt(3.0), directed=True),
+    "lobes": Representation(
+        "techniques/voxel_cones/lobes", row=126, sides=2, most=sqrt(3.0), together=3, directed=True
+    ),
 }

@@ -1,6 +1,7 @@
 // How far light of a pixel of a raw picture, of each {{ resolution }}th row and column, may be taken for another's
 // (simulator/voxels/filtering.py, `alike`): by its height over the other's tangent plane, as in frame/gtao_filter.wgsl, and by
 // how much its normal is turned.
+{{ use("shaders/view.wgsl") }}
 {{ use("shaders/gbuffer.wgsl") }}
 
 // plane: the geometric normal over the width of a raw pixel.  ahead: the view ray along it.
@@ -18,9 +19,7 @@ fn pixel_plane(pixel: vec2i) -> PixelPlane {
 fn alike(own: PixelPlane, at: vec2i, place: vec4f) -> f32 {
     let last = vec2i(textureDimensions(depth_map)) - 1;
     let moved = vec2f(min({{ resolution }} * at + {{ resolution // 2 }}, last) - own.pixel);
-    let height = (place.w - own.depth) * own.ahead
-        + dot(own.plane, moved.x * (views[0].origin_dx + place.w * views[0].direction_dx)
-        + moved.y * (views[0].origin_dy + place.w * views[0].direction_dy));
+    let height = (place.w - own.depth) * own.ahead + dot(own.plane, between_rays(views[0], moved, place.w));
     let turn = distance(place.xyz, own.surface.normal) * {{ 1 / turned }};
     let weight = max(1.0 - abs(height), {{ least_weight }}) * max(1.0 - turn, {{ least_weight }});
     return select(0.0, weight, place.w > 0.0);

@@ -1,7 +1,6 @@
 // Irradiance of every pixel from that of pixels around it, of which each tile of 4 x 4 has all phases of directions once: the
 // mean over 4 x 4 of those that are alike (simulator/voxels/filtering.py). At a share of the resolution this also fills in the
 // pixels between.
-{{ use("shaders/view.wgsl") }}
 {{ use("techniques/voxel_cones/cones/alike.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})

@@ -18,7 +18,7 @@ from ....gpu.passes import ComputePass
 from ....scene.errors import OctoluxError
 from ....simulator.grid import Grid
 from ....simulator.gtao import LEAST_WEIGHT
-from ....simulator.lpv.glossy import CONE
+from ....simulator.reflection import CONE
 from ....simulator.voxels import cones
 from ....simulator.voxels.filtering import TURNED
 

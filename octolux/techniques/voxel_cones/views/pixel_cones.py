@@ -16,7 +16,7 @@ from ....gpu.passes import ComputePass
 from ....gpu.profiler import Profiler
 from ....scene.errors import OctoluxError
 from ....simulator.grid import Grid
-from ....simulator.lpv.glossy import CONE
+from ....simulator.reflection import CONE
 from ..cones.gathering import Gathering, Voxels, wide_cones
 
 # position: voxels of level 0 from the cube's corner; level: of the voxels that are read; towards: of the cone; step:

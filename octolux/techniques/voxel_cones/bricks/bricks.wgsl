@@ -1,19 +1,26 @@
-// Bricks from the voxels that nodes and their neighbours at the upper sides own (VCT 5.4.2: edge copy): light that is sent
-// one way, as a share of the brick's scale, and the share of the section that faces there. Each texel has one owner, by
-// whatever way it is reached, so that bricks agree where they touch.
+// Bricks from the voxels that nodes and their neighbours at the upper sides own (VCT 5.4.2: edge copy), as shares of a scale
+// that all of a thread's bricks have. Each texel has one owner, by whatever way it is reached, so that bricks agree where they
+// touch.
 {{ use("techniques/voxel_cones/octree/octree.wgsl") }}
-{{ use("techniques/voxel_cones/bricks/facing.wgsl") }}
 {{ use("techniques/voxel_cones/bricks/bright.wgsl") }}
+
+// lit: place of a voxel's light in `light`.  faces: in `facing`, of what faces up or down, as the brick's way does.  there:
+// both are.
+struct Borrowed { lit: u32, faces: u32, there: bool }
+
+// Of the representation: fn store_texel(texel: vec3u, way: u32, sent: vec3f, over: f32, from_voxel: Borrowed). over: what
+// shares of the unit are multiplied by, as `sent` is.
+{{ use(texels) }}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    let thread = id.x + {{ row }}u * id.y;
+    let first = {{ together }}u * (id.x + {{ row }}u * id.y); // these stand together, in the update list too
     {% if listed %}
-    if thread >= lists[{{ 4 * depth + 3 }}] { return; }
-    let index = update_list[thread];
+    if first >= lists[{{ 4 * depth + 3 }}] { return; }
+    let index = update_list[first];
     {% else %}
-    if thread >= parameters.count { return; }
-    let index = thread;
+    if first >= parameters.count { return; }
+    let index = first;
     {% endif %}
     let owner = owners[index];
     let way = owner & 7u;
@@ -37,9 +44,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     {% for o in range(8) %}
     {% for corner in borrowed[o] %}
     {
-        let share = select(0.0, share_of(facing[node_{{ o }} + {{ 2 * corner }}u], way >> 1u), some_{{ o }});
+        let from_voxel = Borrowed(lit_{{ o }} + {{ corner }}u, node_{{ o }} + {{ 2 * corner }}u, some_{{ o }});
         let offset = vec3u({{ corner % 2 + 2 * (o % 2) }}u, {{ corner // 2 % 2 + 2 * (o // 2 % 2) }}u, {{ corner // 4 + 2 * (o // 4) }}u);
-        textureStore(bricks, texel + offset, vec4f(over * light_{{ o }}_{{ corner }}, share));
+        store_texel(texel + offset, way, over * light_{{ o }}_{{ corner }}, over, from_voxel);
     }
     {% endfor %}
     {% endfor %}
