@@ -14,8 +14,8 @@ from rich.table import Table
 
 from .scene.errors import one_line
 
-out = Console(highlight=False)
-notes = Console(stderr=True, highlight=False, soft_wrap=True)
+out = Console(highlight=False, emoji=False)
+notes = Console(stderr=True, highlight=False, soft_wrap=True, emoji=False)
 
 _LINE_EVERY = 10.0  # seconds
 _LONGEST = 2000  # characters of a note; far more than ours have

@@ -25,8 +25,8 @@ def debug_files(pairs: Sequence[str], resume: bool) -> list[tuple[str, Path]]:
     if pairs and resume:
         raise OctoluxError("--debug shows what the last frame leaves, which --resume may not render. Leave one out.")
     for pair in pairs:
-        name, equals, path = pair.partition("=")
-        if not equals:
+        name, _, path = pair.partition("=")
+        if not (name and path):
             raise OctoluxError(f"--debug takes NAME=FILE, such as injected=a.npz, or list alone, not '{pair}'.")
         check_writable(Path(path), _FORMATS)
         found.append((name, Path(path)))

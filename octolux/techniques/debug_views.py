@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from ..scene.errors import OctoluxError
-from .settings import suggest
 
 Pixel = tuple[int, int] | None
 """Column and row from the upper left, or the pixel in the middle."""
@@ -50,7 +50,9 @@ class DebugViews(Mapping[str, Any]):
             return lambda: self._at_pixel[head]((int(place[0]), int(place[1])))
         if not len(self):
             raise OctoluxError(f"There is no debug view '{name}': this technique has none.")
-        raise OctoluxError(f"There is no debug view '{name}'. {suggest(name, self)}")
+        near = difflib.get_close_matches(name, list(self), n=1)
+        remedy = f"Did you mean '{near[0]}'?" if near else "--debug list shows what there is."
+        raise OctoluxError(f"There is no debug view '{name}'. {remedy}")
 
     def lines(self) -> list[str]:
         """All names, for people: those that differ in their last part are in one line."""
