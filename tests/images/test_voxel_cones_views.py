@@ -62,6 +62,18 @@ def test_red_is_left_and_green_right(box):
         assert (drawn[plain].argmax(axis=-1) == channel).mean() > 0.8
 
 
+def test_normals_are_of_the_side_that_is_seen(device):
+    """Walls whose other side voxels have too are shown with the normal of this one."""
+    made = renderer(device, load_scene("cornell-box"))
+    picture = made.render()
+    normals = picture.layers["normal"]
+    walls = picture.mask & (np.abs(normals).max(axis=-1) > 0.999)
+    shown, colour = made.technique.debug_views()["voxels:0:normal"][walls], 0.5 + 0.5 * normals[walls]
+    alike = np.cross(shown, colour) / np.linalg.norm(colour, axis=-1, keepdims=True)  # each side is shaded otherwise
+    straight = (np.abs(alike) < 1.0 / 255).all(axis=-1) & shown.any(axis=-1)
+    assert walls.sum() > 100 and straight.mean() > 0.9, "but for voxels in corners"
+
+
 def test_nodes_and_updates(device):
     """In the first frame all nodes with bricks are made anew, then those near a light that moves; then none."""
     scene, camera = scene_of([FLOOR], [PAINT], lights=[spot(-0.5)]), from_above(2.0, 2.0)

@@ -70,16 +70,22 @@ class VoxelViews:
     def drawn_voxels(self, level: int, value: str) -> np.ndarray:
         """The level's voxels as the camera sees them. Light and emission are exposed as the picture is."""
         found = self.voxels(level)
-        return self._draw(level, found["cell"], self._shown(found, value))
+        shown = self._normals(level, found) if value == "normal" else self._shown(found, value)
+        return self._draw(level, found["cell"], shown)
+
+    def _normals(self, level: int, found: np.ndarray) -> np.ndarray:
+        """Colours (m, 3) of mean normals, of what looks at the camera: those of both sides of a wall add up to none."""
+        view, grid = self._frame.views[0], self._technique.octree.grid
+        middle = np.asarray(grid.origin) + grid.cell_size * 2.0**level * (found["cell"] + 0.5)
+        towards = view.position - middle if view.perspective else np.broadcast_to(-view.forward, middle.shape)
+        mean = (found["facing"] * (towards @ DIRECTIONS.T > 0.0)) @ DIRECTIONS
+        return 0.5 + 0.5 * mean / np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-9)
 
     def _shown(self, found: np.ndarray, value: str) -> np.ndarray:
         """Colours (m, 3)."""
         facing, exposure = found["facing"], self._frame.exposure_factor
         if value in _SURFACES:
             return found[value] * (exposure if value == "emission" else 1.0)
-        if value == "normal":
-            mean = facing @ DIRECTIONS
-            return 0.5 + 0.5 * mean / np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-9)
         if value == "comes_from":  # grey from everywhere
             return 0.5 + 0.5 * found["comes_from"]
         if value == "opacity":  # across each axis, of the way that faces more
