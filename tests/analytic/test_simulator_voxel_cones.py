@@ -8,9 +8,12 @@ from math import pi
 import numpy as np
 import pytest
 
+from octolux.scene.cameras import Camera
 from octolux.simulator.form_factors import point_to_parallel_square
+from octolux.simulator.gtao import Seen
 from octolux.simulator.voxels.cones import COVERS, PHASES, Traced, diffuse_samples, directions, gather, specular_light
 from octolux.simulator.voxels.facing import FacingVoxels
+from octolux.simulator.voxels.filtering import filtered
 
 DEPTH, N = 6, 64
 UP = np.array([[0.0, 1.0, 0.0]])
@@ -186,3 +189,22 @@ def test_traced_light_is_what_was_met():
     assert isinstance(cone, Traced)
     assert np.allclose(towards, UP)
     assert np.abs(cone.radiance / RADIANCE - 1.0).max() <= 1e-6
+
+
+@pytest.mark.parametrize("resolution", [1, 2, 4])
+def test_phases_weigh_the_same_around_every_pixel(resolution):
+    """Pixels of each phase bring light of their own, which grows across the picture by as much of their own: away from
+    the border the result is the mean of all, at the pixel."""
+    camera, height, width = Camera(transform=np.eye(4)), 24 * resolution, 28 * resolution
+    towards_eye = np.broadcast_to([0.0, 0.0, 1.0], (height, width, 3))
+    seen = Seen(camera, np.full((height, width), 2.0), towards_eye, towards_eye)
+    y, x = np.indices((24, 28))
+    phase, at = x % 4 + 4 * (y % 4), resolution * np.stack([x, y]) + resolution // 2
+    own, right, down = np.random.default_rng(5).uniform(size=(3, 16))
+    raw = own[phase] + right[phase] * at[0] + down[phase] * at[1]
+    place = np.broadcast_to([0.0, 0.0, 1.0, 2.0], (24, 28, 4))
+    found = filtered(seen, raw[..., None], place, resolution)[..., 0]
+    rows, columns = np.indices(found.shape)
+    inner = np.s_[4 * resolution : -4 * resolution, 4 * resolution : -4 * resolution]
+    expected = own.mean() + right.mean() * columns + down.mean() * rows
+    np.testing.assert_allclose(found[inner], expected[inner], rtol=1e-12)

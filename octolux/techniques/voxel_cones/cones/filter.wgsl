@@ -1,20 +1,22 @@
 // Irradiance of every pixel from that of pixels around it, of which each tile of 4 x 4 has all phases of directions once: the
-// mean over 4 x 4 of those that are alike (simulator/voxels/filtering.py). At a share of the resolution this also fills in the
-// pixels between.
+// mean, over a tent of 8 x 8, of those that are alike (simulator/voxels/filtering.py). At a share of the resolution this also
+// fills in the pixels between.
 {{ use("techniques/voxel_cones/cones/alike.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= textureDimensions(depth_map)) { return; }
     let own = pixel_plane(vec2i(id.xy));
-    let first = (own.pixel + {{ resolution // 2 }}) / {{ resolution }} - 2;
+    let first = (own.pixel + {{ resolution - resolution // 2 }}) / {{ resolution }} - 4;
     let size = textureDimensions(light_map);
     var sum = vec4f(0.0);
     var weights = 0.0;
-    {% for y in range(4) %}{% for x in range(4) %}
+    {% for y in range(8) %}{% for x in range(8) %}
     {
         let at = first + vec2i({{ x }}, {{ y }});
-        let weight = select(0.0, alike(own, at, textureLoad(place_map, at)), all(vec2u(at) < size));
+        let away = abs(vec2f({{ resolution }} * at + {{ resolution // 2 }} - own.pixel)) * {{ 0.25 / resolution }};
+        let tent = max(vec2f(0.0), 1.0 - away);
+        let weight = tent.x * tent.y * select(0.0, alike(own, at, textureLoad(place_map, at)), all(vec2u(at) < size));
         sum += weight * textureLoad(light_map, at);
         weights += weight;
     }
