@@ -18,7 +18,7 @@ from octolux.scene.cameras import Camera
 from octolux.scene.materials import Material
 from octolux.scene.meshes import Instance, Mesh
 from octolux.scene.scene import Scene
-from octolux.techniques.voxel_cones.cones.gathering import DiffuseCones
+from octolux.techniques.voxel_cones.cones.diffuse import DiffuseCones
 from octolux.techniques.voxel_cones.settings import VoxelConesSettings
 from octolux.techniques.voxel_cones.technique import VoxelCones
 

@@ -6,6 +6,7 @@ import json
 import math
 import sys
 import warnings
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,7 +15,7 @@ import typer
 from . import __version__, cli_options, console
 from .compare.command import compare
 from .output import check_writable, write_json
-from .output.debug import debug_files, write_view
+from .output.debug import check_views, debug_files, write_views
 from .output.options import FileOptions, layer_names
 from .scene.errors import OctoluxError, one_line
 from .simulate import simulate
@@ -105,13 +106,10 @@ def render(
 ) -> None:
     """Render SCENE and print what each stage cost."""
     settings = _settings(technique, preset, set_, samples=samples, noise=noise)
-    options = FileOptions(
-        bits, alpha, layer_names(layers), paths=getattr(settings, "samples", 0), noise=getattr(settings, "noise", 0.0)
-    )  # fmt: skip
-    plan = _plan(out, frames, fps, size, options, resume)
+    plan = _plan(out, frames, fps, size, _file_options(bits, alpha, layers, settings), resume)
     if stats:
         check_writable(stats, [".json"])
-    views = [] if debug == _LIST else debug_files(debug, resume)
+    files = [] if debug == _LIST else debug_files(debug, resume)
     from .scene.load import load_scene
     from .sequence import Timeline
 
@@ -120,25 +118,30 @@ def render(
     if not plan.missing and not plan.videos:
         console.out.print("nothing to do: all files are complete")
         return
+    of_frames = {"shadow_resolution": shadow_resolution, "rsm_resolution": rsm_resolution, "sky_lights": sky_lights,
+                 "fog_resolution": fog_resolution}  # fmt: skip
     renderer = _renderer(
-        loaded, adapter,
-        {
-            "shadow_resolution": shadow_resolution, "rsm_resolution": rsm_resolution, "sky_lights": sky_lights,
-            "fog_resolution": fog_resolution,
-        },
-        technique=technique, settings=settings, size=plan.size, exposure=exposure, anti_aliasing=anti_aliasing,
-        sequence=plan.filtered, tone_map=tone_map, transparent=alpha, default_light=default_light,
+        loaded, adapter, of_frames, technique=technique, settings=settings, size=plan.size, exposure=exposure,
+        anti_aliasing=anti_aliasing, sequence=plan.filtered, tone_map=tone_map, transparent=alpha,
+        default_light=default_light,
     )  # fmt: skip
+    views = renderer.technique.debug_views()
     if debug == _LIST:
-        for line in renderer.technique.debug_views().lines() or ["this technique has no debug views"]:
-            console.out.print(line, markup=False, soft_wrap=True)
+        _say(views.lines() or ["this technique has no debug views"])
         return
-    for name, _ in views:
-        renderer.technique.debug_views().maker(name)  # raises where there is none
+    check_views(views, files)
     _make(plan, Timeline(renderer, loaded, fps, first=plan.frames[0], camera=camera, clip=clip), stats)
-    for name, path in views:
-        write_view(renderer.technique.debug_views()[name], path)
-        console.out.print(f"wrote {path}", markup=False, soft_wrap=True)
+    _say(f"wrote {path}" for path in write_views(renderer.technique.debug_views(), files))
+
+
+def _file_options(bits: int, alpha: bool, layers: str | None, settings: Settings) -> FileOptions:
+    paths, noise = getattr(settings, "samples", 0), getattr(settings, "noise", 0.0)
+    return FileOptions(bits, alpha, layer_names(layers), paths=paths, noise=noise)
+
+
+def _say(lines: Iterable[str]) -> None:
+    for line in lines:
+        console.out.print(line, markup=False, soft_wrap=True)
 
 
 def _settings(technique: str, preset: str, pairs: list[str], **given: float | None) -> Settings:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ from PIL import Image
 
 from ..scene.errors import OctoluxError
 from ..simulator.tonemap import srgb_encode
-from ..techniques.debug_views import is_picture
+from ..techniques.debug_views import DebugViews
 from . import check_writable
 from .atomic import replacing
 
@@ -33,11 +33,22 @@ def debug_files(pairs: Sequence[str], resume: bool) -> list[tuple[str, Path]]:
     return found
 
 
-def write_view(view: Any, path: Path) -> None:
-    """Write a picture as PNG, sRGB; or any view as NPZ: `view`, or `view_0`, `view_1`, ... of a list. Raises
-    OctoluxError, also for a view that is no picture as PNG."""
-    if path.suffix.lower() == ".png" and not is_picture(view):
-        raise OctoluxError(f"{path}: this debug view is no picture, but numbers. Write them to a .npz file.")
+def check_views(views: DebugViews, files: Sequence[tuple[str, Path]]) -> None:
+    """Raise OctoluxError, before anything is rendered, for a view that there is not, and for numbers as PNG."""
+    for name, path in files:
+        if not views.is_picture(name) and path.suffix.lower() == ".png":
+            raise OctoluxError(f"{path}: this debug view is no picture, but numbers. Write them to a .npz file.")
+
+
+def write_views(views: DebugViews, files: Sequence[tuple[str, Path]]) -> Iterator[Path]:
+    """Write them, as far as the paths are asked for. Raises OctoluxError for what cannot be written."""
+    for name, path in files:
+        _write(views[name], path)
+        yield path
+
+
+def _write(view: Any, path: Path) -> None:
+    """A picture as PNG, sRGB; or any view as NPZ: `view`, or `view_0`, `view_1`, ... of a list."""
     with replacing(path) as temporary:
         if path.suffix.lower() == ".png":
             Image.fromarray(np.round(255.0 * srgb_encode(view)).astype(np.uint8)).save(temporary, format="PNG")

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from typing import Any
-
-import numpy as np
 
 from ..scene.errors import OctoluxError
 
@@ -21,11 +19,15 @@ class DebugViews(Mapping[str, Any]):
     A view is a NumPy array, or a list of them. Pictures are float32 (height, width, 3), linear, of which 1 is white.
 
     makers: of each view.  at_pixel: of those of one pixel, named "NAME:COLUMN:ROW", which they are given; "NAME" alone,
-    for which they are given None, is that of the middle.  Raises OctoluxError for a view that there is not.
+    for which they are given None, is that of the middle.  pictures: names of those that are; others are numbers. Raises
+    OctoluxError for a view that there is not.
     """
 
-    def __init__(self, makers: Mapping[str, Callable[[], Any]], at_pixel: Mapping[str, Callable[[Pixel], Any]] = NONE):
-        self._makers, self._at_pixel = makers, at_pixel
+    def __init__(
+        self, makers: Mapping[str, Callable[[], Any]], at_pixel: Mapping[str, Callable[[Pixel], Any]] = NONE,
+        pictures: Collection[str] = (),
+    ):  # fmt: skip
+        self._makers, self._at_pixel, self._pictures = makers, at_pixel, pictures
 
     def __iter__(self) -> Iterator[str]:
         yield from (*self._makers, *self._at_pixel)
@@ -37,17 +39,21 @@ class DebugViews(Mapping[str, Any]):
         return name in self._makers or name in self._at_pixel
 
     def __getitem__(self, name: str) -> Any:
-        return self.maker(name)()
+        return self._found(name)[1]()
 
-    def maker(self, name: str) -> Callable[[], Any]:
-        """What makes a view, as `views[name]` does. Raises OctoluxError where there is none, without making it."""
+    def is_picture(self, name: str) -> bool:
+        """Whether it can be shown as it is. Raises OctoluxError where there is none; nothing is made."""
+        return self._found(name)[0] in self._pictures
+
+    def _found(self, name: str) -> tuple[str, Callable[[], Any]]:
+        """Without a pixel its name, and what makes it."""
         if name in self._makers:
-            return self._makers[name]
+            return name, self._makers[name]
         if name in self._at_pixel:
-            return lambda: self._at_pixel[name](None)
+            return name, lambda: self._at_pixel[name](None)
         head, *place = name.rsplit(":", 2)
         if head in self._at_pixel and len(place) == 2 and all(text.isdecimal() for text in place):
-            return lambda: self._at_pixel[head]((int(place[0]), int(place[1])))
+            return head, lambda: self._at_pixel[head]((int(place[0]), int(place[1])))
         if not len(self):
             raise OctoluxError(f"There is no debug view '{name}': this technique has none.")
         near = difflib.get_close_matches(name, list(self), n=1)
@@ -62,8 +68,3 @@ class DebugViews(Mapping[str, Any]):
             heads.setdefault(head + colon, []).append(last)
         lines = [head + ", ".join(last) if head else "\n".join(last) for head, last in heads.items()]
         return [*"\n".join(lines).splitlines(), *(f"{name}:COLUMN:ROW" for name in self._at_pixel)]
-
-
-def is_picture(view: Any) -> bool:
-    """Whether a view can be shown as it is."""
-    return isinstance(view, np.ndarray) and view.dtype == np.float32 and view.ndim == 3 and view.shape[2] == 3

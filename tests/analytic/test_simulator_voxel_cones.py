@@ -11,7 +11,8 @@ import pytest
 from octolux.scene.cameras import Camera
 from octolux.simulator.form_factors import point_to_parallel_square
 from octolux.simulator.gtao import Seen
-from octolux.simulator.voxels.cones import COVERS, PHASES, Traced, diffuse_samples, directions, gather, specular_light
+from octolux.simulator.voxels.cones import COVERS, Traced, diffuse_samples, gather, specular_light
+from octolux.simulator.voxels.directions import PHASES, directions
 from octolux.simulator.voxels.facing import FacingVoxels
 from octolux.simulator.voxels.filtering import filtered
 

@@ -43,13 +43,10 @@ def test_what_there_is(render, folder):
         ((*CONES, "--debug", "cones:a:b=a.npz"), "There is no debug view 'cones:a:b'. Did you mean 'cones'?"),
         ((*UNIFORM, "--debug", "injected=a.jpg"), "a.jpg: files of the kind '.jpg' are not written"),
         ((*UNIFORM, "--debug", "injected=a.npz", "--resume"), "--resume may not render"),
+        ((*UNIFORM, "--debug", "injected=a.png"), "a.png: this debug view is no picture"),
+        ((*CONES, "--debug", "cones:0:0=a.png"), "a.png: this debug view is no picture"),
     ],
 )
 def test_what_is_refused_before_anything_is_rendered(render, folder, options, message):
     done = render("cornell-box", *options)
     assert done.code == 2 and message in done.err and not list(folder.iterdir())
-
-
-def test_numbers_are_no_picture(render, folder):
-    done = render("cornell-box", *UNIFORM, "--debug", "injected=a.png")
-    assert done.code == 2 and "a.png: this debug view is no picture" in done.err and not (folder / "a.png").exists()

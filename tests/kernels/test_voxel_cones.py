@@ -19,10 +19,13 @@ from octolux.gpu.bindings import sampler, texture
 from octolux.scene.default_camera import chosen_camera
 from octolux.scene.errors import OctoluxError
 from octolux.simulator.grid import Grid
-from octolux.simulator.voxels.cones import PHASES, gather, specular_light
+from octolux.simulator.voxels.cones import gather, specular_light
+from octolux.simulator.voxels.directions import PHASES
 from octolux.simulator.voxels.facing import FacingVoxels
 from octolux.simulator.voxels.filtering import filtered
-from octolux.techniques.voxel_cones.cones.gathering import DiffuseCones, SpecularCones, Voxels
+from octolux.techniques.voxel_cones.cones.diffuse import DiffuseCones
+from octolux.techniques.voxel_cones.cones.gathering import Voxels
+from octolux.techniques.voxel_cones.cones.specular import SpecularCones
 
 DEPTH, N = 4, 16
 GRID = Grid((-1.05, -1.1, -1.0), 0.135, N)

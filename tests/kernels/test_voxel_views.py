@@ -16,7 +16,8 @@ from octolux.frame.views import camera_view
 from octolux.gpu_scene.gpu_scene import GpuScene
 from octolux.scene.cameras import Camera
 from octolux.scene.errors import OctoluxError
-from octolux.simulator.voxels.cones import PHASES, Plane, above, basis, diffuse_samples, directions, trace
+from octolux.simulator.voxels.cones import Plane, above, basis, diffuse_samples, trace
+from octolux.simulator.voxels.directions import PHASES, directions
 from octolux.simulator.voxels.fragments import fragments
 from octolux.simulator.voxels.pyramid import facing_levels, intensity_levels
 from octolux.simulator.voxels.surfaces import DIRECTIONS

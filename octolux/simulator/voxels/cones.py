@@ -1,9 +1,6 @@
 """Cones through voxels: what a point receives and reflects of the light around it (Drinovsky 2013, "VCT", 5.6).
 
-Directions. `count` diffuse cones have equal shares of the hemisphere's projected area (the unit disc, Nusselt 1928), so
-that each weighs pi / count and even light arrives exactly. A cone is as wide as a disc of its share: sin(half) =
-1 / sqrt(count), 20.7 degrees for 8. PHASES sets of such cones lie between one another, and pixels of a 4 x 4 tile take
-one each: the mean over a window as large has 16 times as many directions.
+Directions are those of directions.py.
 
 Sizes. The thesis reads voxels as wide as the cone. A trilinear sample is a tent of their edge s to either side, of
 variance s^2 / 6 along each axis; a disc of diameter d has d^2 / 16: s = SIZE d blurs as much as the cone does.
@@ -22,61 +19,34 @@ Air. Where it takes a share `absorbed` of light for each voxel of its way, exp(-
 arrives (Beer and Lambert). It is not what hides: opacity stays.
 
 A sample stands for the way to the next one, as long as its distance. So where a wall falls between two samples, of
-which either sees it through a half of its tent, they cover it together.
+which either sees it through a half of its tent, they cover it together. Where one level follows another, which starts
+late for what lies a voxel behind, up to an eighth of a thin wall stays open.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import asin, ceil, inf, pi, sqrt, tan
+from math import ceil, inf, pi, sqrt, tan
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..brdf import alpha_of
 from ..reflection import CONE, reflected_direction
+from .directions import PHASES, directions, half_angle
 
 SIZE = sqrt(3.0 / 8.0)
-PHASES = 16
 LEFT = 2.0**-9
 """Share of a ray that is no longer followed: half a step of an 8-bit picture."""
 CLEAR = 1.5
 """Voxels: a trilinear sample reaches one to either side, and a surface lies up to half of one off the middle of its
 own; along a normal that is not along an axis as many times more as the sum of its parts."""
 COVERS = ("surfaces", "medium")
-CONE_TURN = 0.5 * (3.0 - sqrt(5.0))  # of a circle, from cone to cone: the golden angle spreads any number of them
-PHASE_TURN = (10.0 + CONE_TURN) / PHASES
-"""From one to the next of all cones, by their distance from the middle of the disc: PHASES of them are a turn of
-CONE_TURN. So those of a phase lie in a spiral, and those of all phases in a denser one. Of the 16 steps that do so this
-one is among the best: a spot with a spread of a tenth of the disc's radius is seen 3 % too bright or too dark by 16 x
-16 of them, 7 % by 16 x 8; with phases turned by a step of their own it was 27 % and 38 %."""
 
 Read = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 """Of points (m, 3), in voxels of level 0, levels (m,) and unit directions (m, 3): radiance times opacity (m, k), and
 opacity (m,), on a way as long as an edge of the level's voxels."""
-
-
-def half_angle(count: int) -> float:
-    """Of a diffuse cone's axis and its side, radians. Raises ValueError for a count other than 4 to 16."""
-    if not 4 <= count <= 16:
-        raise ValueError(f"there are 4 to 16 diffuse cones, not {count}")
-    return asin(1.0 / sqrt(count))
-
-
-def phase_shift(phase: int) -> tuple[float, float]:
-    """How far a phase's cones are moved: outwards on the disc, in shares of a cone's area, and around, in turns."""
-    reversed_bits = int(f"{phase:04b}"[::-1], 2)
-    return (reversed_bits + 0.5) / PHASES, (reversed_bits * PHASE_TURN) % 1.0
-
-
-def directions(count: int, phase: int) -> np.ndarray:
-    """Unit vectors (count, 3) around +z: each in its own ring of the disc, all rings of one area."""
-    outwards, around = phase_shift(phase)
-    square = (np.arange(count) + outwards) / count
-    angle = 2.0 * pi * (np.arange(count) * CONE_TURN + around)
-    radius = np.sqrt(square)
-    return np.stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1.0 - square)], axis=-1)
 
 
 class Sample(NamedTuple):

@@ -8,7 +8,7 @@ from math import sin
 import numpy as np
 
 from ..gtao import LEAST_WEIGHT, TILE, Seen, taken
-from .cones import half_angle
+from .directions import half_angle
 
 TURNED = 2.0 * sin(0.5 * half_angle(8))
 """Distance between unit normals from which a pixel is no neighbour: its cones lie beside the other's."""

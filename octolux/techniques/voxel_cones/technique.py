@@ -9,7 +9,9 @@ from ...gpu.device import Device
 from ..debug_views import DebugViews
 from ..technique import Technique
 from .bricks.reading import Reading
-from .cones.gathering import DiffuseCones, SpecularCones, Voxels
+from .cones.diffuse import DiffuseCones
+from .cones.gathering import Voxels
+from .cones.specular import SpecularCones
 from .light.bounces import Bounces
 from .light.injection import Injection
 from .settings import VoxelConesSettings, read_box

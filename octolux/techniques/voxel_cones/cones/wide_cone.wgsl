@@ -1,4 +1,5 @@
-// Wide cones (simulator/voxels/cones.py, `trace`), and where a set of them is turned to.
+// Wide cones (simulator/voxels/cones.py, `trace`), and where a set of them is turned to
+// (simulator/voxels/directions.py).
 {{ use("techniques/voxel_cones/cones/cones.wgsl") }}
 
 // plane: across which normal the surface lies that it starts on.  before, before_level: of the last sample; the one where a cone leaves the cube is for the way from there, on its level.

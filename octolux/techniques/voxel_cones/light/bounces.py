@@ -24,7 +24,7 @@ CONES, PER_LEVEL, WIDTH = 8, 2, 1.0  # what arrives is spread over a coarse voxe
 
 
 class Bounces:
-    """Adds to what was injected what voxels reflect of it: the same light from scratch in every frame.
+    """Adds to what was injected what voxels reflect of it, from scratch: the same light whatever there was before.
 
     level: of the voxels that gather; those of level 0 in them reflect, each with its own albedo, what these receive. A
     voxel receives a mean of radiances that others send, so no bounce is brighter than its light.

@@ -50,7 +50,9 @@ class VoxelViews:
         makers["updates"] = self.updates
         makers |= {f"updates:{level}": partial(self.drawn_updates, level) for level in levels}
         makers["visibility"] = self.visibility
-        return DebugViews(makers, {"cones": self.cones, "cones:drawn": self.drawn_cones})
+        numbers = {"fragments", "nodes", "updates", *(f"voxels:{level}" for level in levels)}
+        pictures = {"cones:drawn", *makers} - numbers
+        return DebugViews(makers, {"cones": self.cones, "cones:drawn": self.drawn_cones}, pictures)
 
     @property
     def _frame(self) -> Frame:
