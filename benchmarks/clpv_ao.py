@@ -124,6 +124,7 @@ def cost() -> dict[str, float]:
     lit = Renderer(octolux.load("atrium"), "uniform-lpv", size=SIZE, exposure=0.0, device=device())
     times: dict[str, list[float]] = {name: [] for name in [*SETTINGS, "frame"]}
     for _ in range(ROUNDS + 2):
+        lit.forget()  # a frame in which light moves
         times["frame"].append(milliseconds(lambda: (lit.render(), device().wait())))
         for name, ao in passes().items():
             times[name].append(milliseconds(lambda ao=ao: run(ao, view)))

@@ -40,7 +40,8 @@ def atrium(scattering: float = 0.03) -> Scene:
 
 @cache
 def atrium_frames(technique: str) -> tuple[dict[str, Renderer], dict[str, Picture]]:
-    """Renderers whose frames took turns, and their last pictures, by resolution; `clear` has no medium."""
+    """Renderers whose frames took turns, all with maps of lights drawn anew, and their last pictures, by resolution;
+    `clear` has no medium."""
     made = {"clear": renderer(replace(atrium(), medium=None), technique)}
     made |= {name: renderer(atrium(), technique, pixels) for name, pixels in RESOLUTIONS.items()}
     pictures = {}
@@ -48,6 +49,7 @@ def atrium_frames(technique: str) -> tuple[dict[str, Renderer], dict[str, Pictur
         for name, each in made.items():
             if number == WARM_UP:
                 each.profiler.clear()
+            each.forget()
             pictures[name] = each.render()
     return made, pictures
 

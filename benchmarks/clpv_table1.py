@@ -72,7 +72,8 @@ def measured(
 ) -> dict[str, list[dict[str, float]]]:  # fmt: skip
     """Milliseconds by stage of each frame, and FRAME, by technique; each stage is submitted alone and waited for.
     Frames of all techniques take turns, so that the machine disturbs them alike. anew: what blocks and reflects light
-    is made in each frame, as if a window had moved, and not kept. Raises OctoluxError for an unknown technique."""
+    is made in each frame, as if a window had moved, and not kept; RSMs always are. Raises OctoluxError for an
+    unknown technique."""
     renderers: dict[str, Renderer] = {}
     found: dict[str, list[dict[str, float]]] = {text: [] for text in techniques}
     for text in techniques:
@@ -86,6 +87,7 @@ def measured(
             renderer.profiler.clear()
             if anew and isinstance(renderer.technique, CascadedLpv):
                 renderer.technique.way.surfaces.forget()
+            renderer.forget()
             renderer.render(camera)
             if number >= 0:
                 whole = renderer.profiler.frame_ms()["median"]

@@ -49,6 +49,7 @@ class ShadowWork:
             device(), self.profiler, self.scene, self.gpu_scene, self.settings, self.targets, lights, views, draws,
             self.buffers.upload(lights, views, draws),
         )  # fmt: skip
+        self.maps.forget()
         with self.profiler.frame():
             self.maps.run(frame, ids=True)
 

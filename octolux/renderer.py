@@ -100,7 +100,7 @@ class Renderer:
             if not isinstance(settings, Settings):
                 settings = chosen.settings_class.make(preset, **(settings or {}))
             self.technique = chosen(self.device, settings)
-        self._failed = False  # the last frame: what a technique keeps of it may never have been made
+        self._failed = False  # the last frame: what is kept of it may never have been made
         self._passes_of = -1
         self._rsm: RSMPass | None = None  # made when a technique needs it
         self._fog: FogPass | None = None  # made when a scene has a medium
@@ -156,9 +156,16 @@ class Renderer:
         self.exposure = display_exposure(max(luminance, _DARKEST))
         return self.exposure
 
+    def forget(self) -> None:
+        """Let the next frame draw shadow maps and RSMs anew, though all that they show be as before: to time a frame as
+        if its lights had moved."""
+        if self._passes_of >= 0:
+            self._shadow_maps.forget()
+
     def _drawn(self, frame: Frame) -> Frame:
         if self._failed:
             self.technique = type(self.technique)(self.device, self.technique.settings)
+            self.forget()
         self._failed = True
         with frame.profiler.frame():
             self._draw(frame)

@@ -90,7 +90,8 @@ class Studio:
 
     def render(self, choice: Choice) -> Rendering:
         """The technique's picture and times. What draws samples is rendered once, and its time is that of one frame
-        with its shaders built; all else again and again. Raises OctoluxError where a picture is not finite."""
+        with its shaders built; all else again and again, with shadow maps and RSMs drawn anew as if lights had moved.
+        Raises OctoluxError where a picture is not finite."""
         return self._render(choice, self.renderer(choice))
 
     def _render(self, choice: Choice, renderer: Renderer) -> Rendering:
@@ -99,6 +100,7 @@ class Studio:
         if not choice.seeded:
             renderer.profiler.clear()
             for _ in range(self.frames):
+                renderer.forget()
                 picture = renderer.render(self.camera)
         statistics = renderer.statistics() | {"technique_bytes": sum(renderer.technique.memory().values())}
         rendering = _rendering(picture, statistics)

@@ -24,6 +24,8 @@ class RSMPass:
     flux = albedo * intensity * solid angle of the block (OLPV 3.3), or albedo * illuminance * its area across a
     directional light. Its area is the surface that the block covers (simulator/rsm.py).
 
+    VPLs are made again only when maps were drawn since, or the light that they reflect or their traits are other.
+
     surfaces: also write the traits of each VPL's surface (traits.py)."""
 
     def __init__(self, device: Device, scene: GpuScene, settings: FrameSettings, surfaces: bool = False):
@@ -31,6 +33,7 @@ class RSMPass:
         self._vpls: Any = None
         self._surfaces: Any = None
         self._room = 0
+        self._made_of: tuple = ()
         stride = settings.shadow_resolution // settings.rsm_resolution
         self._edges = (settings.rsm_resolution, settings.coarse_resolution // COARSE_BLOCK)
         self._scene, self._blocks = scene, (stride, COARSE_BLOCK)
@@ -66,7 +69,7 @@ class RSMPass:
         self._make_room(frame, sum(counts))
         frame.vpls, frame.vpl_surfaces = self._vpls, self._surfaces
         frame.vpl_ranges, frame.vpl_widths = self._ranges(frame)
-        if not any(layers):
+        if not any(layers) or self._are_kept(frame, shadow_maps):
             return
         places = ((1, 0), (1 + layers[0], counts[0]))
         others = {"vpls": self._vpls, **({"surfaces": self._surfaces} if self._with_surfaces else {})}
@@ -84,6 +87,13 @@ class RSMPass:
                         stage, (edge, edge, layers[number]), frame.gpu_scene.resources, views=frame.buffers["views"],
                         lights=frame.buffers["lights"], maps=self._sets[number], shadow_ids=maps.ids, **others,
                     )  # fmt: skip
+
+    def _are_kept(self, frame: Frame, shadow_maps: ShadowMapPass) -> bool:
+        """Whether the VPLs are what would be made: all that they are made of is as it was."""
+        lights = (frame.lights.counts, frame.lights.packed.tobytes())
+        moving = frame.gpu_scene.is_moving.tobytes()  # one of the traits
+        before, self._made_of = self._made_of, (shadow_maps.drawings, *lights, moving, frame.scene.medium, self._vpls)
+        return before == self._made_of
 
     def _make_room(self, frame: Frame, vpls: int) -> None:
         size, limit = max(1, vpls) * VPL.size, DEFAULT_LIMITS["max-storage-buffer-binding-size"]

@@ -11,15 +11,22 @@ from .visibility import VisibilityPass
 
 
 class ShadowMaps:
-    """An array of shadow maps, and of the triangle numbers that RSMs are made from."""
+    """An array of shadow maps, and of the triangle numbers that RSMs are made from.
+
+    shown: what each layer was last drawn for, None where nothing is known of what it holds.
+    """
 
     def __init__(self, device: Device, label: str):
         self.device, self.label = device, label
         self.depth: Any = None
         self.ids: Any = None
+        self.shown: list[tuple | None] = []
 
     def need(self, resolution: int, layers: int, ids: bool) -> None:
+        before = self.depth
         self.depth = self._array(self.depth, "shadow maps", "depth32float", layers, resolution)
+        if self.depth is not before:
+            self.shown = [None] * layers
         if ids:
             self.ids = self._array(self.ids, "shadow-map triangles", "r32uint", layers, resolution)
 
@@ -37,34 +44,36 @@ class ShadowMaps:
 class ShadowMapPass:
     """Draws every light's faces; with `ids` also, in the same rendering, the triangle numbers RSMs are made from.
 
-    The coarse maps are drawn again only when something has moved: skies and lamps seldom do, and they are many.
+    A face is drawn again only when what is drawn, or its view of it, is other than in the frame that drew it. What a
+    camera sees has no part in that. `drawings` grows with every frame that draws any.
     """
 
     def __init__(self, device: Device, visibility: VisibilityPass):
         self.visibility = visibility
         self.main, self.coarse = ShadowMaps(device, ""), ShadowMaps(device, "coarse ")
-        self._coarse_of: tuple = ()
+        self.drawings = 0
         self.sampler = device.wgpu.create_sampler()  # nearest: the four depths are compared one by one
 
     def run(self, frame: Frame, ids: bool) -> None:
         """Fill the layers and set `frame.shadow_maps` and `frame.coarse_maps`."""
         settings, lights = frame.settings, frame.lights
-        first_coarse = lights.main_views
-        self.main.need(settings.shadow_resolution, first_coarse, ids)
-        self.coarse.need(settings.coarse_resolution, len(lights.views) - first_coarse, ids)
+        main, coarse = lights.main_views, len(lights.views) - lights.main_views
+        self.main.need(settings.shadow_resolution, main, ids)
+        self.coarse.need(settings.coarse_resolution, coarse, ids)
         frame.shadow_maps, frame.coarse_maps = self.main.depth, self.coarse.depth
-        drawn = first_coarse if self._coarse_are_kept(frame, ids) else len(lights.views)
-        if not lights.views:
+        places = [*((self.main, n) for n in range(main)), *((self.coarse, n) for n in range(coarse))]
+        shows = [(frame.gpu_scene.moves, ids, view.view_projection.tobytes()) for view in lights.views]
+        stale = [n for n, (maps, layer) in enumerate(places) if maps.shown[layer] != shows[n]]
+        if not stale:
             return
+        self.drawings += 1
         with frame.profiler.stage("RSM rendering" if ids else "shadow maps") as stage:
-            for number in range(drawn):
-                coarse = number >= first_coarse
-                maps, layer = (self.coarse, number - first_coarse) if coarse else (self.main, number)
-                self.visibility.draw(stage, frame, number + 1, *maps.targets(layer, ids))
+            for n in stale:
+                maps, layer = places[n]
+                self.visibility.draw(stage, frame, n + 1, *maps.targets(layer, ids))
+                maps.shown[layer] = shows[n]
 
-    def _coarse_are_kept(self, frame: Frame, ids: bool) -> bool:
-        """Whether the coarse layers hold what would be drawn: all that they show is as it was."""
-        views = b"".join(view.view_projection.tobytes() for view in frame.lights.views[frame.lights.main_views :])
-        maps = self.coarse
-        before, self._coarse_of = self._coarse_of, (frame.gpu_scene.moves, maps.depth, maps.ids, ids, views)
-        return before == self._coarse_of
+    def forget(self) -> None:
+        """Let the next frame draw all faces, though nothing be other than before."""
+        for maps in (self.main, self.coarse):
+            maps.shown = [None] * len(maps.shown)

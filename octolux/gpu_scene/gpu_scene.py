@@ -37,6 +37,7 @@ class GpuScene:
 
     def sync(self, scene: Scene) -> None:
         """Bring the device up to date with `scene`."""
+        before, self._instances = self._instances, None  # after a sync that fails half-way all counts as changed
         materials_changed = self.materials.sync(scene.materials)
         meshes_changed = self.geometry.sync(scene.meshes)
         if materials_changed or meshes_changed:
@@ -46,13 +47,13 @@ class GpuScene:
                 self.version += 1
                 self.__dict__.pop("bindings", None)
         instances = tuple(scene.instances)
-        moved = self._instances is None or not _same(instances, self._instances)
+        moved = before is None or not _same(instances, before)
         if materials_changed or meshes_changed or moved:
             self.moves += 1
             self._placed.sync(scene, self.geometry.slots, self.materials)
-            self._instances = instances
         else:
             self._placed.wait()
+        self._instances = instances
 
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
@@ -73,6 +74,11 @@ class GpuScene:
     def has_changed(self) -> np.ndarray:
         """bool (drawn instances,): which have moved, been deformed or got another material (history.py)."""
         return self._placed.history.has_changed
+
+    @property
+    def is_moving(self) -> np.ndarray:
+        """bool (drawn instances,): which count as moving now (history.py)."""
+        return self._placed.history.moving
 
     @property
     def lasting_version(self) -> int:

@@ -44,7 +44,7 @@ class MaterialTable:
         """Upload the table if a material was replaced, textures if other images are used; returns whether any was."""
         if self._materials is not None and _same(self._materials, materials):
             return False
-        self._materials = tuple(materials)
+        self._materials = None  # until all of these are on the device
         uses = [(t, srgb) for m in materials for slot, srgb in _SLOTS if (t := getattr(m, slot))]
         images = tuple((used.image, srgb) for used, srgb in uses)
         if self._images is None or not _same_images(self._images, images):
@@ -55,6 +55,7 @@ class MaterialTable:
         single = np.array([not m.double_sided for m in materials], dtype=np.int64)
         self.bucket = cut * MASKED + single * SINGLE_SIDED
         self.glowing = np.array([max(m.emissive) > 0 for m in materials], dtype=bool)
+        self._materials = tuple(materials)
         return True
 
     def _write(self, materials: Sequence[Material]) -> None:

@@ -243,3 +243,16 @@ def test_emptied_and_refilled(device):
     assert not low.any() and not high.any()  # nothing of what was there
     renderer.scene = full
     assert same(before, layers(renderer))
+
+
+@pytest.mark.parametrize("broken", ["materials.MaterialTable._write", "geometry.GeometryBuffers.sync"])
+def test_a_sync_that_failed_half_way_is_made_up_for(device, monkeypatch, broken):
+    """Materials come before meshes: what was uploaded, and what was not, is other than what maps were drawn of."""
+    renderer = renderer_of(device, three())
+    renderer.render()
+    renderer.scene = replace(renderer.scene, materials=[replace(m, alpha=0.0, alpha_mode="mask") if n == 2 else m
+                                                        for n, m in enumerate(renderer.scene.materials)])  # fmt: skip
+    with monkeypatch.context() as patched, pytest.raises(ZeroDivisionError):
+        patched.setattr(f"octolux.gpu_scene.{broken}", lambda *given: 1 // 0)
+        renderer.render()
+    assert same(layers(renderer), layers(renderer_of(device, renderer.scene)))
