@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -49,11 +49,11 @@ class Watched:
         voxel_tools.shine(octree, sent[..., None] * np.ones(3), unit=1.0)
 
     def irradiance(self, sky: bool = False) -> np.ndarray:
-        """What the technique's diffuse cones gather now, (height, width, 3); with `sky` what is left sees it."""
+        """What the technique's diffuse cones gather in voxels now, (height, width, 3); `sky`: what is left sees it."""
         technique, s = self.technique, self.technique.settings
         cones = DiffuseCones(
-            technique.device, technique.voxels, count=s.cones, per_level=s.samples, width=s.width,
-            resolution=s.resolution, offset=s.offset, cover=s.cover, sky=sky,
+            technique.device, technique.voxels, replace(technique.wide, screen=0.0), resolution=s.resolution,
+            offset=s.offset, cover=s.cover, sky=sky,
         )  # fmt: skip
         frame = self._frame()
         cones.prepare(frame.pixels)

@@ -24,28 +24,33 @@ _SKY_PARTS, _LEAST_OF_SKY = 4, 8
 
 
 class DirectLightPass:
-    """The glTF BRDF under the sky, area lights, emitters and every directional, spot and point light: radiance in nits.
+    """The glTF BRDF under the sky, area lights, emitters and every directional, spot and point light: radiance in nits,
+    and what of it the diffuse lobe reflects where the frame's targets have `direct_diffuse`.
     A pass is built for each number of lights of each kind, and kept."""
 
     def __init__(self, device: Device):
         self.device = device
         self._sky_pick = device.uniform("sky pick", SKY_PICK.array(1))
         self._area_lights: AreaLightBuffers | None = None  # made when there are any
-        self._variants: dict[tuple[Counts, tuple[int, ...], bool | None], ComputePass] = {}
+        self._variants: dict[tuple[Counts, tuple[int, ...], bool | None, bool], ComputePass] = {}
 
-    def _variant(self, counts: Counts, areas: AreaLights, medium: MediumBuffers | None) -> ComputePass:
-        key = (counts, areas.emitters, medium.has_density if medium else None)
+    def _variant(
+        self, counts: Counts, areas: AreaLights, medium: MediumBuffers | None, diffuse: bool
+    ) -> ComputePass:
+        key = (counts, areas.emitters, medium.has_density if medium else None, diffuse)
         if key not in self._variants:
             self._variants[key] = ComputePass(
                 self.device, "direct light", "frame/direct.wgsl",
                 [
                     views_binding(), lights_binding(), texture("surface_map", "uint"), texture("depth_map"),
                     texture("shadow_maps", "depth", "2d-array"), sampler("shadow_sampler", "non-filtering"),
-                    storage_texture("direct_out", "rgba32float"), *_soft_bindings(counts, areas),
+                    storage_texture("direct_out", "rgba32float"),
+                    *([storage_texture("diffuse_out", "rgba32float")] if diffuse else []),
+                    *_soft_bindings(counts, areas),
                     *(medium.bindings if medium else ()),
                 ],
                 structs=[VIEW, LIGHT, ENVIRONMENT, SKY_PICK, AREA_LIGHT, *([MEDIUM] if medium else [])], shadows=True,
-                **light_groups(counts, areas), **AreaLightBuffers.values(), **CONSTANTS,
+                diffuse=diffuse, **light_groups(counts, areas), **AreaLightBuffers.values(), **CONSTANTS,
                 **(medium.values if medium else {"medium": False}),
             )  # fmt: skip
         return self._variants[key]
@@ -64,8 +69,11 @@ class DirectLightPass:
             more |= {**self._area_lights.write(areas), "brdf_table": surroundings.resources["brdf_table"]}
         if frame.medium:
             more |= frame.medium.resources
+        diffuse = frame.targets.direct_diffuse
+        if diffuse:
+            more |= {"diffuse_out": diffuse}
         with frame.profiler.stage("direct light") as stage:
-            self._variant(counts, areas, frame.medium).run(
+            self._variant(counts, areas, frame.medium, diffuse is not None).run(
                 stage, frame.pixels, surface_map=frame.targets.surface, depth_map=frame.targets.depth,
                 shadow_maps=frame.shadow_maps, shadow_sampler=shadow_sampler, direct_out=frame.targets.direct,
                 views=frame.buffers["views"], lights=frame.buffers["lights"], **more,

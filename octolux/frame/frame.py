@@ -66,23 +66,27 @@ class Targets:
         self.radiance = make("radiance", "rgba32float")
         self.display = make("display", "rgba8unorm")
         self.emissive: Any = None
+        self.direct_diffuse: Any = None
         self._other_radiance: Any = None
 
     def need_emissive(self, device: Device) -> None:
-        if self.emissive is None:
-            usage = STORAGE | TEXTURE | COPY
-            self.emissive = device.texture("emissive", self.size, "rgba32float", usage=usage)
+        self.emissive = self.emissive or self._more(device, "emissive")
+
+    def need_direct_diffuse(self, device: Device) -> None:
+        """Have the pass of direct light write what of it the diffuse lobe reflects."""
+        self.direct_diffuse = self.direct_diffuse or self._more(device, "direct light")
+
+    def _more(self, device: Device, label: str, format: str = "rgba32float") -> Any:
+        return device.texture(label, self.size, format, usage=STORAGE | TEXTURE | COPY)
 
     def display_like(self, device: Device) -> Any:
         """Another texture as `display` is."""
-        return device.texture("display", self.size, "rgba8unorm", usage=STORAGE | TEXTURE | COPY)
+        return self._more(device, "display", "rgba8unorm")
 
     def swap_radiance(self, device: Device) -> Any:
         """Put another texture in the place of `radiance`, and return what was there: no pass can read and write one."""
-        if self._other_radiance is None:
-            usage = STORAGE | TEXTURE | COPY
-            self._other_radiance = device.texture("radiance", self.size, "rgba32float", usage=usage)
-        self.radiance, self._other_radiance = self._other_radiance, self.radiance
+        other = self._other_radiance or self._more(device, "radiance")
+        self.radiance, self._other_radiance = other, self.radiance
         return self._other_radiance
 
 

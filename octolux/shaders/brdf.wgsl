@@ -12,8 +12,14 @@ fn fresnel(s: Surface, v_h: f32) -> vec3f {
     return f0 + (weight + s.metallic - f0) * grazing;
 }
 
+// Of the diffuse and the specular lobe.
+struct TwoLobes { diffuse: vec3f, specular: vec3f }
+
+fn plus(a: TwoLobes, b: TwoLobes) -> TwoLobes { return TwoLobes(a.diffuse + b.diffuse, a.specular + b.specular); }
+fn times(a: TwoLobes, by: vec3f) -> TwoLobes { return TwoLobes(a.diffuse * by, a.specular * by); }
+
 // f(l, v), 1/sr; all vectors unit length. A shading normal may lean away from the eye, which then counts as on the horizon.
-fn brdf(s: Surface, l: vec3f, v: vec3f) -> vec3f {
+fn brdf_lobes(s: Surface, l: vec3f, v: vec3f) -> TwoLobes {
     let roughness = max(s.roughness, {{ min_roughness }});
     let alpha = roughness * roughness;
     let square = alpha * alpha;
@@ -26,5 +32,10 @@ fn brdf(s: Surface, l: vec3f, v: vec3f) -> vec3f {
     let distribution = square / ({{ pi }} * spread * spread);
     let smith = n_l * sqrt(square + (1.0 - square) * n_v * n_v) + n_v * sqrt(square + (1.0 - square) * n_l * n_l);
     let visibility = select(0.5 / smith, 0.0, smith <= 0.0);
-    return (1.0 - reflected) * diffuse_albedo(s) / {{ pi }} + reflected * distribution * visibility;
+    return TwoLobes((1.0 - reflected) * diffuse_albedo(s) / {{ pi }}, reflected * distribution * visibility);
+}
+
+fn brdf(s: Surface, l: vec3f, v: vec3f) -> vec3f {
+    let lobes = brdf_lobes(s, l, v);
+    return lobes.diffuse + lobes.specular;
 }

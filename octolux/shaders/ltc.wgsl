@@ -87,7 +87,7 @@ fn with_moved(cut: Cut, lobe: Lobe, side: Side) -> Cut {
 }
 
 // Radiance towards the eye.
-fn area_light_radiance(light: AreaLight, position: vec3f, to_eye: vec3f, s: Surface, lobe: Lobe) -> vec3f {
+fn area_light_radiance(light: AreaLight, position: vec3f, to_eye: vec3f, s: Surface, lobe: Lobe) -> TwoLobes {
     let nothing = Cut(vec3f(0.0), vec3f(0.0), vec3f(0.0));
     var cosine = nothing; // the diffuse lobe, cut at the surface's horizon
     var moved = nothing; // the specular, cut there too, moved, and cut at the cosine's horizon
@@ -115,8 +115,10 @@ fn area_light_radiance(light: AreaLight, position: vec3f, to_eye: vec3f, s: Surf
     let irradiance = max(0.5 * dot(s.normal, towards), 0.0);
     let specular = max({{ 0.5 / pi }} * taken.z, 0.0) * lobe.albedo;
     let diffuse = diffuse_albedo(s) / {{ pi }} * irradiance;
-    return light.radiance * ((1.0 - fresnel_from(s, to_eye, towards)) * diffuse
-        + fresnel_from(s, to_eye, from_cosine(lobe, taken)) * specular);
+    return TwoLobes(
+        light.radiance * (1.0 - fresnel_from(s, to_eye, towards)) * diffuse,
+        light.radiance * fresnel_from(s, to_eye, from_cosine(lobe, taken)) * specular,
+    );
 }
 
 // Fresnel for light from the mean direction of what a lobe takes, of any length.

@@ -1,4 +1,4 @@
-"""The rays of a camera's pixels, and the packing of normals in the G-buffer."""
+"""The rays of a camera's pixels, where points are seen, and the packing of normals in the G-buffer."""
 
 from __future__ import annotations
 
@@ -33,6 +33,20 @@ def pixel_rays(camera: Camera, width: int, height: int) -> tuple[np.ndarray, np.
     directions = np.stack([across * half, up * half, -np.ones_like(up)], axis=-1) @ rotation.T
     directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
     return np.broadcast_to(camera.position, directions.shape), directions
+
+
+def seen_at(camera: Camera, points, width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
+    """Row and column (..., 2), in pixels from the upper left corner, that points (..., 3) are seen at, and their depth
+    (...) along the axis, metres; what is not in front of a perspective camera has the place -1, -1."""
+    local = (np.asarray(points) - camera.position) @ camera.transform[:3, :3]
+    right, up, forward = local[..., 0], local[..., 1], -local[..., 2]
+    half = tan(0.5 * camera.vertical_fov) * forward
+    if camera.orthographic_height is not None:
+        half = np.full_like(forward, 0.5 * camera.orthographic_height)
+    in_front = half > 0.0
+    half = np.where(in_front, half, 1.0)
+    place = 0.5 * np.stack([height * (1.0 - up / half), width + height * right / half], axis=-1)
+    return np.where(in_front[..., None], place, -1.0), forward
 
 
 def _fold(plane: np.ndarray) -> np.ndarray:

@@ -251,5 +251,5 @@ def test_scenes_without_area_lights_pay_nothing(lit):
     emitters = emitter_lights(scene, 4)
     values = light_groups((1, 0, 0, len(emitters), 8), area_lights(emitters))
     values |= {**AreaLightBuffers.values(), **CONSTANTS}
-    text = compose("frame/direct.wgsl", shadows=True, medium=False, workgroup="8, 8", **values).text
+    text = compose("frame/direct.wgsl", shadows=True, medium=False, diffuse=False, workgroup="8, 8", **values).text
     assert ("ltc_table" in text) == ("area_lights" in text) == lit

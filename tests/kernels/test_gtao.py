@@ -37,7 +37,7 @@ def rendered(device, scene, camera: Camera, size: tuple[int, int] = (96, 54)) ->
     picture = renderer.render(camera)
     arrays = (picture.layers["depth"], picture.geometric_normal, picture.layers["normal"])
     seen = Seen(camera, *(a.astype(np.float64) for a in arrays))
-    return SimpleNamespace(frame=frames[0], seen=seen, renderer=renderer)
+    return SimpleNamespace(frame=frames[0], seen=seen, renderer=renderer, picture=picture)
 
 
 def run(device, ao: AmbientOcclusion, frame, *radius: float, **resources) -> np.ndarray:

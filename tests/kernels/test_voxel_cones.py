@@ -20,12 +20,13 @@ from octolux.scene.default_camera import chosen_camera
 from octolux.scene.errors import OctoluxError
 from octolux.simulator.grid import Grid
 from octolux.simulator.voxels.cones import gather, specular_light
-from octolux.simulator.voxels.directions import PHASES
+from octolux.simulator.voxels.directions import PHASES, phases_of
 from octolux.simulator.voxels.facing import FacingVoxels
 from octolux.simulator.voxels.filtering import filtered
 from octolux.techniques.voxel_cones.cones.diffuse import DiffuseCones
 from octolux.techniques.voxel_cones.cones.gathering import Voxels
 from octolux.techniques.voxel_cones.cones.specular import SpecularCones
+from octolux.techniques.voxel_cones.cones.wide import WideCones
 
 DEPTH, N = 4, 16
 GRID = Grid((-1.05, -1.1, -1.0), 0.135, N)
@@ -89,8 +90,8 @@ def traced(device, made: DiffuseCones) -> np.ndarray:
 )
 def test_diffuse_as_the_simulator(device, count, per_level, width, cover):
     """Each cone's samples add up to a share of at most 1, and what they are off by does, too."""
-    options = {"count": count, "per_level": per_level, "width": width, "cover": cover}
-    found = traced(device, DiffuseCones(device, voxels(), **options))
+    options = {"count": count, "per_level": per_level, "width": width}
+    found = traced(device, DiffuseCones(device, voxels(), WideCones(**options), cover=cover))
     at = start(device)
     rows, columns = np.nonzero(at.inside)
     phase = columns % 4 + 4 * (rows % 4)
@@ -98,7 +99,7 @@ def test_diffuse_as_the_simulator(device, count, per_level, width, cover):
     for i in range(PHASES):
         r = (rows[phase == i], columns[phase == i])
         light, visible = gather(
-            scene(), DEPTH, at.points[r], at.s.normals[r], at.s.geometric[r], phases=[i], **options,
+            scene(), DEPTH, at.points[r], at.s.normals[r], at.s.geometric[r], phases=[i], cover=cover, **options,
         )  # fmt: skip
         assert np.abs(found[r][:, :3] - light).max() <= 4.0 * WEIGHT * pi * BRIGHTEST
         assert np.abs(found[r][:, 3] - visible).max() <= 4.0 * WEIGHT
@@ -165,18 +166,33 @@ def atrium(device) -> SimpleNamespace:
     return made
 
 
-@pytest.mark.parametrize("resolution", [1, 2, 4])
-def test_filter_as_the_simulator(device, atrium, resolution):
+@pytest.mark.parametrize("tile", [1, 2])
+def test_pixels_of_small_tiles_have_several_sets(device, tile):
+    """All pixels of a tile together have each phase once."""
+    found, at = traced(device, DiffuseCones(device, voxels(), WideCones(count=4, tile=tile))), start(device)
+    assert sorted(phase for i in np.ndindex(tile, tile) for phase in phases_of(*i, tile)) == list(range(PHASES))
+    for row, column in np.argwhere(at.inside)[::23]:
+        r = (np.array([row]), np.array([column]))
+        light, visible = gather(
+            scene(), DEPTH, at.points[r], at.s.normals[r], at.s.geometric[r], phases=phases_of(row, column, tile),
+            count=4,
+        )  # fmt: skip
+        assert np.abs(found[r][:, :3] - light).max() <= 4.0 * WEIGHT * pi * BRIGHTEST
+        assert np.abs(found[r][:, 3] - visible).max() <= 4.0 * WEIGHT
+
+
+@pytest.mark.parametrize(("resolution", "tile"), [(1, 4), (2, 4), (4, 4), (1, 2), (2, 1)])
+def test_filter_as_the_simulator(device, atrium, resolution, tile):
     """From the device's own raw picture. Normals are the same bits on both sides; heights over a pixel's plane are
     known within 2^-20 of the depth, and count in widths of a raw pixel; a weight's change moves the mean by at most as
     much for each of sixteen."""
-    made = DiffuseCones(device, voxels(), resolution=resolution)
+    made = DiffuseCones(device, voxels(), WideCones(tile=tile), resolution=resolution)
     made.prepare(atrium.frame.pixels)
     with one_stage(device) as stage:
         made.gather(stage, atrium.frame, atrium.grid, **volume(device))
         made.filter(stage, atrium.frame)
     raw, place = (device.read_texture(t, np.float32, 4).astype(np.float64) for t in made.raw)
-    expected = filtered(atrium.seen, raw, place, resolution)
+    expected = filtered(atrium.seen, raw, place, resolution, tile)
     wide = resolution * np.linalg.norm(atrium.seen.pixel_extent()[0], axis=-1)
     there = atrium.seen.depth > 0.0
     most = 16.0 * 2.0**-20 * (atrium.seen.depth / wide)[there].max() * raw.max() + 1e-5
@@ -216,9 +232,16 @@ def test_the_same_bits_again(device):
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"count": 3}, {"resolution": 3}, {"width": 0.0}, {"per_level": 9}, {"cover": "walls"}, {"offset": -1.0},
-              {"attenuation": -1.0}, {"reach": -1.0}]
+    "wrong", [{"resolution": 3}, {"cover": "walls"}, {"offset": -1.0}, {"attenuation": -1.0}, {"reach": -1.0}]
 )
 def test_wrong_values(device, wrong):
     with pytest.raises(OctoluxError, match=r"not"):
         DiffuseCones(device, voxels(), **wrong)
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"count": 3}, {"width": 0.0}, {"per_level": 9}, {"tile": 3}, {"screen": -1.0}, {"screen": 65.0}]
+)
+def test_wrong_cones(wrong):
+    with pytest.raises(OctoluxError, match=r"not"):
+        WideCones(**wrong)

@@ -21,6 +21,7 @@ from octolux.simulator.voxels.directions import PHASES, directions
 from octolux.simulator.voxels.fragments import fragments
 from octolux.simulator.voxels.pyramid import facing_levels, intensity_levels
 from octolux.simulator.voxels.surfaces import DIRECTIONS
+from octolux.techniques.voxel_cones.cones.wide import WideCones
 from octolux.techniques.voxel_cones.views.contents import keys_of, level_voxels
 from octolux.techniques.voxel_cones.views.drawing import NOTHING, Drawing, picture
 from octolux.techniques.voxel_cones.views.fragment_list import FragmentList
@@ -120,13 +121,13 @@ def test_the_list_of_fragments(device):
     assert len(FragmentList(device, empty.octree).list(nothing, empty)) == 0
 
 
-OPTIONS = {"count": 6, "per_level": 2, "width": 0.5, "offset": 1.0, "cover": "surfaces", "resolution": 1}
+WIDE, OPTIONS = WideCones(count=6, width=0.5), {"offset": 1.0, "cover": "surfaces", "resolution": 1}
 
 
 def test_samples_of_a_pixels_cones(device):
     """Those that the simulator's cones take, up to where they have met enough; what they cover adds up to what
     diffuse cones do. The specular cone comes last."""
-    made, at = PixelCones(device, voxels(), step=0.5, glossy=True, **OPTIONS), start(device)
+    made, at = PixelCones(device, voxels(), WIDE, step=0.5, glossy=True, **OPTIONS), start(device)
     for row, column in np.argwhere(at.inside)[:: at.inside.sum() // 6]:
         samples = made.samples(seen(device).frame, GRID, (column, row), **volume(device))
         normal, geometric = at.s.normals[row, column][None], at.s.geometric[row, column][None]
@@ -159,7 +160,7 @@ def test_samples_of_a_pixels_cones(device):
 
 
 def test_pixels_without_cones(device):
-    made, at = PixelCones(device, voxels(), step=1.0, glossy=False, **OPTIONS), start(device)
+    made, at = PixelCones(device, voxels(), WIDE, step=1.0, glossy=False, **OPTIONS), start(device)
     frame = seen(device).frame
     row, column = np.argwhere(~at.inside)[0]
     with pytest.raises(OctoluxError, match=f"{column}:{row} sees no surface in the voxels"):

@@ -35,6 +35,7 @@ import numpy as np
 from ..brdf import alpha_of
 from ..reflection import CONE, reflected_direction
 from .directions import PHASES, directions, half_angle
+from .screen import Shown, again, jitter
 
 SIZE = sqrt(3.0 / 8.0)
 LEFT = 2.0**-9
@@ -130,10 +131,11 @@ def _lifted(points, plane: Plane | None, travelled, towards, size, n: int) -> np
 
 def trace(
     read: Read, start, towards, samples: Sequence[Sample], n: int, cover: str = "surfaces", plane: Plane | None = None,
-    absorbed: float = 0.0, air_reach: float = inf,
+    absorbed: float = 0.0, air_reach: float = inf, free: Any = 0.0,
 ) -> Traced:  # fmt: skip
     """Wide cones from points `start` (m, 3), voxels, along unit `towards` (m, 3), through n^3 voxels. plane: that they
-    start on, if any.  absorbed: of light, for each voxel of its way.  air_reach: voxels, of `open`.
+    start on, if any.  absorbed: of light, for each voxel of its way.  air_reach: voxels, of `open`.  free: (m,),
+    voxels from `start` on which nothing is to be met (screen.py).
 
     The last sample of a cone is where it leaves them, for the way from the one before, of whose level it is.
     """
@@ -147,6 +149,8 @@ def trace(
         found = light * np.exp(-absorbed * travelled)[:, None], opacity
         traced = traced or Traced(np.zeros_like(light), np.ones(len(start)), np.ones(len(start)))
         step = np.where(leaves, np.maximum(reach - before.distance, 0.0) / 2.0**before.level, sample.step)
+        stands = np.maximum(step * 2.0**level, 1e-6)
+        step = step * np.clip((travelled + stands - free) / stands, 0.0, 1.0)
         within = np.clip((air_reach - travelled) / np.maximum(step * 2.0**level, 1e-6), 0.0, 1.0)
         traced, before = _covered(traced, found, step, cover, within), sample
     assert traced
@@ -182,28 +186,36 @@ def above(towards, geometric) -> np.ndarray:
 def gather(
     read: Read, depth: int, points, normals, geometric=None, *, count: int = 8, phases: Sequence[int] = range(PHASES),
     per_level: int = 2, width: float = 1.0, offset: float = 1.0, cover: str = "surfaces", sky: Callable | None = None,
-    absorbed: float = 0.0, air_reach: float = inf,
+    absorbed: float = 0.0, air_reach: float = inf, screen: Callable[..., Shown] | None = None, bounces: int = 1,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Irradiance (m, k), radiance's unit times sr, and ambient visibility (m,) at points (m, 3) in voxels.
 
     normals, geometric: unit (m, 3), of the shading and, where they differ, of the surface.  phases: whose mean is
     taken.  per_level, width: as in `first_level_samples`, `near_samples`.  offset: voxels along the surface's normal
     from which cones start.  sky: radiance (m, k) of unit directions (m, 3), of what is left of cones.  absorbed,
-    air_reach: as in `trace`; what meets nothing within the latter is visible.
+    air_reach: as in `trace`; what meets nothing within the latter is visible.  screen: of unit directions (m, 3) and
+    `screen.jitter`, what the picture shows on them; its light is reflected `bounces` times.
     """
     normals = np.asarray(normals, dtype=np.float64)
     geometric = normals if geometric is None else np.asarray(geometric, dtype=np.float64)
     start = np.asarray(points, dtype=np.float64) + offset * geometric
     frames, samples = basis(normals), diffuse_samples(count, depth, per_level, width)
-    visible, weight = np.zeros(len(start)), 1.0 / (count * len(phases))
-    irradiance: np.ndarray = np.zeros(1)
-    for direction in np.concatenate([directions(count, phase) for phase in phases]):
-        towards = above(frames @ direction, geometric)
-        traced = trace(read, start, towards, samples, 2**depth, cover, Plane(geometric, offset), absorbed, air_reach)
-        through = traced.left * np.exp(-absorbed * way_out(start, towards, 2**depth))
-        radiance = traced.radiance + (through[:, None] * sky(towards) if sky else 0.0)
-        irradiance, visible = irradiance + pi * weight * radiance, visible + weight * traced.open
-    return irradiance, visible
+    nothing = Shown(np.zeros(len(start), bool), np.zeros(len(start)), np.zeros(1), np.zeros(1))
+    visible, each = np.zeros(len(start)), 1.0 / (count * len(phases))
+    found, albedo, open_sky = (np.zeros(1) for _ in range(3))
+    for number, phase in np.ndindex(count, len(phases)):
+        towards = above(frames @ directions(count, phases[phase])[number], geometric)
+        shown = screen(towards, jitter(number, phases[phase])) if screen else nothing
+        traced = trace(read, start, towards, samples, 2**depth, cover, Plane(geometric, offset), absorbed, air_reach,
+                       shown.free - CLEAR)  # fmt: skip
+        met = shown.met[:, None]
+        through = np.where(shown.met, 0.0, traced.left * np.exp(-absorbed * way_out(start, towards, 2**depth)))
+        arrives = shown.light * np.exp(-absorbed * shown.free)[:, None]
+        found = found + each * np.where(met, arrives, traced.radiance)
+        albedo = albedo + each * np.where(met, shown.albedo, 0.0)
+        open_sky = open_sky + each * (through[:, None] * sky(towards) if sky else 0.0)
+        visible = visible + each * np.where(shown.met, shown.free > air_reach, traced.open)
+    return pi * again(found, albedo, open_sky, bounces), visible
 
 
 def specular_light(

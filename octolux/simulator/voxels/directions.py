@@ -3,7 +3,7 @@
 `count` cones have equal shares of the hemisphere's projected area (the unit disc, Nusselt 1928), so that each weighs
 pi / count and even light arrives exactly. A cone is as wide as a disc of its share: sin(half) = 1 / sqrt(count), 20.7
 degrees for 8. PHASES sets of such cones lie between one another, and pixels of a 4 x 4 tile take one each: their mean
-(filtering.py) has 16 times as many directions.
+(filtering.py) has 16 times as many directions. In smaller tiles each takes several (`phases_of`).
 """
 
 from __future__ import annotations
@@ -32,6 +32,13 @@ def phase_shift(phase: int) -> tuple[float, float]:
     """How far a phase's cones are moved: outwards on the disc, in shares of a cone's area, and around, in turns."""
     reversed_bits = int(f"{phase:04b}"[::-1], 2)
     return (reversed_bits + 0.5) / PHASES, (reversed_bits * PHASE_TURN) % 1.0
+
+
+def phases_of(row: int, column: int, tile: int) -> range:
+    """Of a pixel, of a tile with so many along its edge: 1, 2 or 4. Those of one pixel lie far apart."""
+    each = PHASES // tile**2
+    first = each * (column % tile + tile * (row % tile))
+    return range(first, first + each)
 
 
 def directions(count: int, phase: int) -> np.ndarray:

@@ -28,8 +28,8 @@ BOX = Form("`scene`, or six numbers with spaces between: the lowest corner's x y
 
 @dataclass(frozen=True)
 class VoxelConesSettings(Settings):
-    """The default traces many narrow cones at half resolution; `full` as many at all pixels; `fast` fewer, wide ones at
-    half resolution."""
+    """The default traces many narrow cones at half resolution; `full` as many at all pixels; `finest` sixteen times as
+    many, for stills; `fast` fewer, wide ones at half resolution."""
 
     depth: int = setting(
         8, meaning="levels of the octree: 2^depth voxels along each side of the cube around the scene", unit="levels",
@@ -82,6 +82,17 @@ class VoxelConesSettings(Settings):
         2, meaning="pixels along the edge of a block of which one gathers diffuse light", unit="pixels",
         allowed=(1, 2, 4), cost="1: four times as long as 2; more blurs what is small", source="VCT 7.2, table 6.7",
     )  # fmt: skip
+    tile: int = setting(
+        4, meaning="pixels along the edge of a tile whose pixels gather through other cones each, and share their mean",
+        unit="pixels", allowed=(1, 2, 4), cost="2: four times as long as 4, 1: sixteen; 4 blurs what is small",
+        source="ours; simulator/voxels/directions.py",
+    )  # fmt: skip
+    screen: float = setting(
+        12.0, meaning="how far diffuse cones are first followed among what the picture shows, exactly, before they go "
+        "through voxels; 0: nowhere", unit="voxels", allowed=[0.0, 64.0],
+        cost="a step for each, a fifth of gathering for 12; more is seen exactly, and depends on what the camera sees",
+        source="ours; simulator/voxels/screen.py",
+    )  # fmt: skip
     glossy: bool = setting(
         True, meaning="glossy surfaces reflect the voxels", unit="", allowed=(False, True),
         cost="a tight cone a pixel, some 60 ms of a CPU at 1280 x 720", source="VCT 5.6",
@@ -117,5 +128,6 @@ class VoxelConesSettings(Settings):
 
     PRESETS: ClassVar[dict[str, dict[str, Any]]] = {
         "full": {"resolution": 1},
+        "finest": {"resolution": 1, "tile": 1, "width": 0.35, "samples": 8, "screen": 24.0},
         "fast": {"cones": 8, "width": 0.7, "samples": 3},
     }

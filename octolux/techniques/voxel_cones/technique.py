@@ -12,6 +12,7 @@ from .bricks.reading import Reading
 from .cones.diffuse import DiffuseCones
 from .cones.gathering import Voxels
 from .cones.specular import SpecularCones
+from .cones.wide import WideCones
 from .light.bounces import Bounces
 from .light.injection import Injection
 from .settings import VoxelConesSettings, read_box
@@ -42,9 +43,9 @@ class VoxelCones(Technique):
         self.voxels = Voxels(s.depth, reading.file, reading.bindings, reading.structs, reading.values, skips=True)
         start: dict[str, Any] = {"offset": s.offset, "cover": s.cover, "sky": s.sky, "attenuation": s.attenuation}
         self.gathers_sky = s.sky
+        self.wide = WideCones(s.cones, s.samples, s.width, s.tile, s.screen, s.bounces)
         self.diffuse = DiffuseCones(
-            device, self.voxels, count=s.cones, per_level=s.samples, width=s.width, resolution=s.resolution,
-            reach=s.ambient_distance, **start,
+            device, self.voxels, self.wide, resolution=s.resolution, reach=s.ambient_distance, **start
         )  # fmt: skip
         self.specular = SpecularCones(device, self.voxels, step=s.step, **start) if s.glossy else None
         self._follow()
@@ -75,6 +76,8 @@ class VoxelCones(Technique):
             self._follow()
         self.diffuse.prepare(frame.pixels)
         frame.irradiance = self.diffuse.irradiance
+        if self.wide.screen:
+            frame.targets.need_direct_diffuse(self.device)
         if self.specular:
             self.specular.prepare(frame.pixels)
             frame.specular = self.specular.specular

@@ -11,51 +11,43 @@ from ....frame.structs import ENVIRONMENT, VIEW
 from ....gpu.bindings import storage_texture
 from ....gpu.device import Device
 from ....gpu.passes import ComputePass
-from ....scene.errors import OctoluxError
 from ....simulator.grid import Grid
 from ....simulator.voxels.directions import half_angle
-from .gathering import PictureCones, Voxels, seen_by, wide_cones
+from .gathering import PictureCones, Voxels, seen_by
+from .wide import USUAL, WideCones
 
-_TILE, _TOGETHER = 4, 8  # of diffuse.wgsl
+_TOGETHER = 8  # of diffuse.wgsl
 
 
 class DiffuseCones(PictureCones):
     """Irradiance and ambient visibility of every pixel.
 
-    count: of cones, 4 to 16.  per_level: samples of a cone for each level, 1 to 8.  width: of the voxels that are read,
-    over those that blur as much as a cone does, 0.25 to 2: smaller ones see finer, and need more samples a level.  sky:
-    what is left of cones that meet nothing sees the surroundings. Otherwise as `Gathering`.
+    sky: what is left of cones that meet nothing sees the surroundings. Otherwise as `Gathering`.
 
     irradiance: rgba32float, lux of a picture's pixel, alpha 1, as light past occluders is counted already.
     visibility: r32float, the share of each pixel's cones that meets nothing, or nothing within `reach`.
     """
 
     def __init__(
-        self, device: Device, voxels: Voxels, *, count: int = 8, per_level: int = 2, width: float = 1.0,
-        resolution: int = 1, offset: float = 1.0, cover: str = "surfaces", sky: bool = False, attenuation: float = 0.0,
-        reach: float = 0.0,
+        self, device: Device, voxels: Voxels, wide: WideCones = USUAL, *, resolution: int = 1,
+        offset: float = 1.0, cover: str = "surfaces", sky: bool = False, attenuation: float = 0.0, reach: float = 0.0,
     ):  # fmt: skip
         super().__init__(device, voxels, resolution, offset, cover, attenuation, reach)
-        if not 4 <= count <= 16 or not 1 <= per_level <= 8 or not 0.25 <= width <= 2.0:
-            raise OctoluxError(
-                "There are 4 to 16 cones of 1 to 8 samples a level and a width of 0.25 to 2, "
-                f"not {count} of {per_level} and {width}."
-            )
-        self._sky = sky
+        self._wide, self._sky = wide, sky
         # Half vectors of a GGX lobe of width alpha reflect it into 4 pi alpha^2, a cone has 2 pi (1 - cos).
-        sky_alpha = sqrt(0.5 * (1.0 - cos(half_angle(count))))
+        sky_alpha = sqrt(0.5 * (1.0 - cos(half_angle(wide.count))))
         out = [storage_texture("light_out", "rgba32float"), storage_texture("place_out", "rgba32float")]
         self._gather = ComputePass(
             device, "diffuse cones", "techniques/voxel_cones/cones/diffuse.wgsl",
-            [*self._read, *(SurroundingsMap.bindings() if sky else []), *out],
+            [*self._read, *wide.bindings, *(SurroundingsMap.bindings() if sky else []), *out],
             structs=[*self._structs, *([ENVIRONMENT] if sky else [])], sky=sky, sky_alpha=sky_alpha,
-            **wide_cones(count, per_level, width), **self._values,
+            **self._values, **wide.values(),
         )  # fmt: skip
         raw = [storage_texture(name, "rgba32float", access="read") for name in ("light_map", "place_map")]
         results = [storage_texture("irradiance_out", "rgba32float"), storage_texture("visibility_out", "r32float")]
         self._filter = ComputePass(
             device, "filter", "techniques/voxel_cones/cones/filter.wgsl", [*self._seen, *raw, *results], structs=[VIEW],
-            **self._filter_values,
+            tile=wide.tile, **self._filter_values,
         )  # fmt: skip
         self.irradiance: Any = None
         self.visibility: Any = None
@@ -76,9 +68,9 @@ class DiffuseCones(PictureCones):
 
     def gather(self, stage: Any, frame: Frame, grid: Grid, **voxels: Any) -> None:
         """Trace the cones. grid: of the voxels; voxels: what the bindings of `Voxels` name."""
-        around = _TILE * _TOGETHER
+        around = self._wide.tile * _TOGETHER
         width, height = self._light.size[:2]
-        more = frame.surroundings_map.resources if self._sky else {}
+        more = {**self._wide.resources(frame), **(frame.surroundings_map.resources if self._sky else {})}
         self._gather.run(
             stage, (around * -(-width // around), height), **self._resources(frame, grid), **voxels, **more,
             light_out=self._light, place_out=self._place,

@@ -1,5 +1,5 @@
-// Irradiance of every pixel from that of pixels around it, of which each tile of 4 x 4 has all phases of directions once: the
-// mean, over a tent of 8 x 8, of those that are alike (simulator/voxels/filtering.py). At a share of the resolution this also
+// Irradiance of every pixel from that of pixels around it, of which each tile of {{ tile }} x {{ tile }} has all phases of directions
+// once: the mean, over a tent twice as wide, of those that are alike (simulator/voxels/filtering.py). At a share of the resolution this also
 // fills in the pixels between.
 {{ use("techniques/voxel_cones/cones/alike.wgsl") }}
 
@@ -7,14 +7,14 @@
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if any(id.xy >= textureDimensions(depth_map)) { return; }
     let own = pixel_plane(vec2i(id.xy));
-    let first = (own.pixel + {{ resolution - resolution // 2 }}) / {{ resolution }} - 4;
+    let first = (own.pixel + {{ resolution - resolution // 2 }}) / {{ resolution }} - {{ tile }};
     let size = textureDimensions(light_map);
     var sum = vec4f(0.0);
     var weights = 0.0;
-    {% for y in range(8) %}{% for x in range(8) %}
+    {% for y in range(2 * tile) %}{% for x in range(2 * tile) %}
     {
         let at = first + vec2i({{ x }}, {{ y }});
-        let away = abs(vec2f({{ resolution }} * at + {{ resolution // 2 }} - own.pixel)) * {{ 0.25 / resolution }};
+        let away = abs(vec2f({{ resolution }} * at + {{ resolution // 2 }} - own.pixel)) * {{ 1 / (tile * resolution) }};
         let tent = max(vec2f(0.0), 1.0 - away);
         let weight = tent.x * tent.y * select(0.0, alike(own, at, textureLoad(place_map, at)), all(vec2u(at) < size));
         sum += weight * textureLoad(light_map, at);

@@ -16,7 +16,7 @@ from ....gpu.layout import Struct
 from ....scene.errors import OctoluxError
 from ....simulator.grid import Grid
 from ....simulator.gtao import LEAST_WEIGHT
-from ....simulator.voxels import cones, directions
+from ....simulator.voxels import cones
 from ....simulator.voxels.filtering import TURNED
 
 # Where the cube of voxels lies: its lowest corner, and the edge of a voxel of level 0, metres.
@@ -52,15 +52,6 @@ def cone_values(voxels: Voxels, offset: float, cover: str, absorbs: bool = False
     return {
         **CONSTANTS, "voxels": voxels.file, "depth": voxels.depth, "offset": float(offset), "cover": cover,
         "left": cones.LEFT, "clear": cones.CLEAR, "noted": False, "absorbs": absorbs, "limited": False, **voxels.values,
-    }  # fmt: skip
-
-
-def wide_cones(count: int, per_level: int, width: float) -> dict[str, Any]:
-    """What wide_cone.wgsl wants to know besides."""
-    return {
-        "cones": count, "near": cones.near_samples(count, width),
-        "first_level": cones.first_level_samples(count, per_level, width), "phases": directions.PHASES,
-        "cone_turn": directions.CONE_TURN, "phase_turn": directions.PHASE_TURN,
     }  # fmt: skip
 
 

@@ -2,9 +2,10 @@
 // (simulator/voxels/directions.py).
 {{ use("techniques/voxel_cones/cones/cones.wgsl") }}
 
-// plane: across which normal the surface lies that it starts on.  before, before_level: of the last sample; the one where a cone leaves the cube is for the way from there, on its level.
+// plane: across which normal the surface lies that it starts on.  free: voxels of level 0, on which nothing is to be met.
+// before, before_level: of the last sample; the one where a cone leaves the cube is for the way from there, on its level.
 struct Way {
-    start: vec3f, towards: vec3f, plane: vec3f, reach: f32, before: f32, before_level: u32, traced: Traced,
+    start: vec3f, towards: vec3f, plane: vec3f, free: f32, reach: f32, before: f32, before_level: u32, traced: Traced,
 }
 
 {% if limited %}
@@ -21,21 +22,27 @@ fn sampled(way: Way, distance: f32, level: u32, step: f32) -> Way {
     let position = lifted(way.start + travelled * way.towards, way.plane, height, f32(1u << of_level));
     let found = sample_voxels(position, of_level, way.towards){% if absorbs %} * vec4f(vec3f(through_air(travelled)), 1.0){% endif %};
     let rest = max(way.reach - way.before, 0.0) / f32(1u << way.before_level);
+    {% if screen %}
+    let whole = select(step, rest, leaves);
+    let voxels = max(whole * f32(1u << of_level), 1e-6);
+    let length = whole * saturate((travelled + voxels - way.free) / voxels);
+    {% else %}
     let length = select(step, rest, leaves);
-    {% if noted %}note(position, way.towards, f32(of_level), length, found, way.traced);{% endif %}
+    {% endif %}
+    {% if noted %}if {{ "length > 0.0" if screen else "true" }} { note(position, way.towards, f32(of_level), length, found, way.traced); }{% endif %}
     let traced = covered(way.traced, found, length);
     {% if limited %}
     let within = saturate((air.reach - travelled) / max(length * f32(1u << of_level), 1e-6));
     open -= within * (way.traced.left - traced.left);
     {% endif %}
-    return Way(way.start, way.towards, way.plane, way.reach, distance, level, traced);
+    return Way(way.start, way.towards, way.plane, way.free, way.reach, distance, level, traced);
 }
 
-// plane: unit normal of the surface that it starts on.
-fn wide_cone(start: vec3f, towards: vec3f, plane: vec3f, wanted: bool) -> Traced {
+// plane: unit normal of the surface that it starts on.  free: voxels of level 0 from there, known to be empty, with `screen`.
+fn wide_cone(start: vec3f, towards: vec3f, plane: vec3f, free: f32, wanted: bool) -> Traced {
     let reach = way_out(start, towards);
     {% if limited %}open = select(0.0, 1.0, wanted);{% endif %}
-    var way = Way(start, towards, plane, reach, 0.0, 0u, Traced(vec3f(0.0), select(0.0, 1.0, wanted)));
+    var way = Way(start, towards, plane, free, reach, 0.0, 0u, Traced(vec3f(0.0), select(0.0, 1.0, wanted)));
     {% for sample in near %}
     way = sampled(way, {{ sample.distance }}, 0u, {{ sample.step }});
     {% endfor %}

@@ -11,7 +11,8 @@ from ....gpu.limits import DEFAULT_LIMITS
 from ....gpu.passes import ComputePass
 from ....gpu.records import records, words
 from ..bricks.reading import Reading
-from ..cones.gathering import AIR, Voxels, cone_values, wide_cones
+from ..cones.gathering import AIR, Voxels, cone_values
+from ..cones.wide import USUAL
 from ..octree.octree import directory_binding
 from ..octree.pools import OWN, ROW, WORKGROUP, Pool, threads
 from ..voxels.structure import VOXEL, VoxelOctree
@@ -20,14 +21,14 @@ from ..voxels.structure import VOXEL, VoxelOctree
 BOUNCE = Struct(
     "Bounce", first="u32", count="u32", coarse_first="u32", coarse_count="u32", first_leaf="u32", per_unit="f32"
 )
-CONES, PER_LEVEL, WIDTH = 8, 2, 1.0  # what arrives is spread over a coarse voxel: the cheapest cones will do
 
 
 class Bounces:
     """Adds to what was injected what voxels reflect of it, from scratch: the same light whatever there was before.
 
     level: of the voxels that gather; those of level 0 in them reflect, each with its own albedo, what these receive. A
-    voxel receives a mean of radiances that others send, so no bounce is brighter than its light.
+    voxel receives a mean of radiances that others send, so no bounce is brighter than its light. What arrives is
+    spread over a coarse voxel: cones are the cheapest.
 
     octree: one of those that `reading` reads. Of two each has Bounces, which take turns: all gather before any
     reflects, and that of what is static is filtered before the other borrows from it.  attenuation: 1/m, of light on
@@ -50,8 +51,7 @@ class Bounces:
             device, "receive", "techniques/voxel_cones/light/receive.wgsl",
             [*own, *air, *reading.bindings, storage_rw("received", "u32", "write")],
             structs=[BOUNCE, *([AIR] if air else []), *reading.structs], workgroup=WORKGROUP, row=ROW, level=level,
-            sides=kept.sides, **wide_cones(CONES, PER_LEVEL, WIDTH),
-            **cone_values(voxels, 1.0, "surfaces", attenuation > 0.0),
+            sides=kept.sides, **USUAL.values(), **cone_values(voxels, 1.0, "surfaces", attenuation > 0.0),
         )  # fmt: skip
         self._reflect = ComputePass(
             device, "reflect", kept.file("reflect"),

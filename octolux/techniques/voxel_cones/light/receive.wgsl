@@ -22,7 +22,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let basis = basis_of(normal);
     var sum = vec3f(0.0);
     for (var i = 0u; i < {{ cones }}u; i++) {
-        sum += wide_cone(start, from_basis(basis, cone_axis(i, shift)), normal, wanted).radiance;
+        sum += wide_cone(start, from_basis(basis, cone_axis(i, shift)), normal, 0.0, wanted).radiance;
     }
     received[index] = pack_bright({{ 1 / cones }} * bounce.per_unit * sum);
 }

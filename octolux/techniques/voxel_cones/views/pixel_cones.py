@@ -17,7 +17,8 @@ from ....gpu.profiler import Profiler
 from ....scene.errors import OctoluxError
 from ....simulator.grid import Grid
 from ....simulator.reflection import CONE
-from ..cones.gathering import Gathering, Voxels, wide_cones
+from ..cones.gathering import Gathering, Voxels
+from ..cones.wide import WideCones
 
 # position: voxels of level 0 from the cube's corner; level: of the voxels that are read; towards: of the cone; step:
 # its way, in voxels of its level; light: radiance times opacity, nits; share: of the cone that it covers.
@@ -35,18 +36,18 @@ class PixelCones(Gathering):
     """Traces cones as DiffuseCones and, if `glossy`, SpecularCones do. step: of the latter."""
 
     def __init__(
-        self, device: Device, voxels: Voxels, *, count: int, per_level: int, width: float, resolution: int,
-        offset: float, cover: str, step: float, glossy: bool, attenuation: float = 0.0,
+        self, device: Device, voxels: Voxels, wide: WideCones, *, resolution: int, offset: float, cover: str,
+        step: float, glossy: bool, attenuation: float = 0.0,
     ):  # fmt: skip
         super().__init__(device, voxels, resolution, offset, cover, attenuation)
-        self._cones = count + glossy
-        values = {**self._values, "noted": True}
+        self._wide, self._cones = wide, wide.sets * wide.count + glossy
+        values = {**self._values, **wide.values(), "noted": True}
         self._trace = ComputePass(
             device, "cones of a pixel", "techniques/voxel_cones/views/pixel_cones.wgsl",
-            [*self._read, texture("brdf_table"), uniform("chosen", CHOSEN), storage_rw("samples", CONE_SAMPLE, "write"),
-             storage_rw("counts", "u32", "write")],
+            [*self._read, *wide.bindings, texture("brdf_table"), uniform("chosen", CHOSEN),
+             storage_rw("samples", CONE_SAMPLE, "write"), storage_rw("counts", "u32", "write")],
             structs=[*self._structs, CHOSEN, CONE_SAMPLE], workgroup=(32, 1, 1), room=ROOM, glossy=int(glossy),
-            sky=False, step=float(step), lobe=CONE, skip=voxels.skips, **wide_cones(count, per_level, width), **values,
+            diffuse=wide.sets * wide.count, sky=False, step=float(step), lobe=CONE, skip=voxels.skips, **values,
         )  # fmt: skip
 
     def samples(self, frame: Frame, grid: Grid, pixel: tuple[int, int], **voxels: Any) -> np.ndarray:
@@ -63,7 +64,7 @@ class PixelCones(Gathering):
             self._trace.run(
                 stage, (self._cones,), chosen=self.device.uniform(label, CHOSEN.pack(column=column, row=row)),
                 samples=out, counts=counts, brdf_table=frame.surroundings_map.resources["brdf_table"],
-                **self._resources(frame, grid), **voxels,
+                **self._resources(frame, grid), **self._wide.resources(frame), **voxels,
             )  # fmt: skip
         found = np.frombuffer(self.device.queue.read_buffer(out), CONE_SAMPLE.dtype).reshape(self._cones, ROOM)
         kept = np.frombuffer(self.device.queue.read_buffer(counts), np.uint32)[: self._cones]

@@ -1,11 +1,9 @@
 // The samples of one pixel's cones, a thread for each cone: the diffuse ones as diffuse.wgsl traces them, and the last, if
 // `glossy`, as specular.wgsl does.
 {{ use("shaders/view.wgsl") }}
-{{ use("shaders/sample_directions.wgsl") }}
 {{ use("shaders/reflection.wgsl") }}
-{{ use("techniques/voxel_cones/cones/wide_cone.wgsl") }}
 {{ use("techniques/voxel_cones/cones/tight_cone.wgsl") }}
-{{ use("techniques/voxel_cones/cones/pixel.wgsl") }}
+{{ use("techniques/voxel_cones/cones/pixel_cone.wgsl") }}
 
 var<private> of_cone: u32;
 var<private> count: u32;
@@ -19,17 +17,15 @@ fn note(position: vec3f, towards: vec3f, level: f32, step: f32, found: vec4f, be
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
-    if id.x >= {{ cones + glossy }}u { return; }
+    if id.x >= {{ diffuse + glossy }}u { return; }
     of_cone = id.x;
     let at = vec2u(chosen.column, chosen.row);
     let seen = seen_voxel(at);
-    if id.x == {{ cones }}u {
+    if id.x == {{ diffuse }}u {
         let towards = reflected_direction(seen.surface, seen.to_eye);
         _ = tight_cone(seen.start, towards, seen.geometric, {{ lobe }} * alpha_of(seen.surface), seen.there);
     } else {
-        let shift = phase_shift(at.x % 4u + 4u * (at.y % 4u));
-        let towards = above(from_basis(basis_of(seen.normal), cone_axis(id.x, shift)), seen.geometric);
-        _ = wide_cone(seen.start, towards, seen.geometric, seen.there);
+        _ = pixel_cone(seen, basis_of(seen.normal), id.x % {{ cones }}u, phase_shift(first_phase(at) + id.x / {{ cones }}u));
     }
     counts[id.x] = select(0u, count, seen.there);
 }

@@ -1,0 +1,38 @@
+// Where cones first meet what the picture shows (simulator/voxels/screen.py, `screen_way`).
+
+// met: what the picture shows there, on its lit side.  free: voxels of level 0 to there, or so far as nothing was in the way.
+// light: that it reflects of direct light, nits; albedo: of what else it receives.
+struct ScreenWay { met: bool, free: f32, light: vec3f, albedo: vec3f }
+
+// place: voxels of level 0, on the surface.  jitter: of the steps, 0 to 1.
+fn screen_way(place: vec3f, towards: vec3f, jitter: f32) -> ScreenWay {
+    let view = views[0];
+    let size = vec2f(textureDimensions(depth_map));
+    let start = voxels_of.origin + voxels_of.size * place;
+    let forward = voxels_of.size * towards; // metres, a voxel
+    let clip_start = view.view_projection * vec4f(start, 1.0);
+    let clip_forward = view.view_projection * vec4f(forward, 0.0);
+    var free = 0.0;
+    for (var k = 0u; k < {{ screen_steps }}u; k++) {
+        let part = (f32(k) + jitter) * {{ 1 / screen_steps }};
+        let travelled = {{ screen }} * part * part;
+        let clip = clip_start + travelled * clip_forward;
+        let pixel = (clip.xy / clip.w * vec2f(0.5, -0.5) + 0.5) * size;
+        if clip.w <= 0.0 || any(pixel < vec2f(0.0)) || any(pixel >= size) { break; }
+        let at = vec2u(pixel);
+        let depth = textureLoad(depth_map, at, 0).x;
+        let surface = unpack_surface(textureLoad(surface_map, at, 0));
+        let ray = view_ray(view, vec2f(at) + 0.5);
+        let height = dot(start + travelled * forward - ray.origin - depth * ray.direction, surface.geometric_normal);
+        if depth > 0.0 && height < 0.0 {
+            let sinks = -dot(forward, surface.geometric_normal);
+            if -height > (travelled - free) * sinks { // it went behind that elsewhere
+                free = select(free, min(free, max(travelled + height / sinks, 0.0)), sinks > 0.0);
+                break;
+            }
+            return ScreenWay(true, travelled, textureLoad(reflected_map, at, 0).rgb, diffuse_albedo(surface));
+        }
+        free = travelled;
+    }
+    return ScreenWay(false, free, vec3f(0.0), vec3f(0.0));
+}
