@@ -26,7 +26,7 @@ from .registry import NeedsData
 TECHNIQUES = (
     "cascaded-lpv", "cascaded-lpv,bounces=1", "cascaded-lpv:paper", "octree-lpv", "octree-lpv:steps",
     "octree-lpv:thesis", "voxel-cones", "voxel-cones,bounces=1", "voxel-cones:full,bounces=1",
-    "voxel-cones:fast,bounces=1", "uniform-lpv", "uniform-lpv:paper",
+    "voxel-cones:finest,bounces=1", "voxel-cones:fast,bounces=1", "uniform-lpv", "uniform-lpv:paper",
     "uniform-lpv:thesis",
 )  # fmt: skip
 """What is measured unless other techniques are asked for, in the words of `octolux compare --technique`. A new one is

@@ -36,8 +36,8 @@ from .lab import device
 from .part_profiler import PartProfiler
 
 SIZE, SHADOWS, DEPTH = (512, 512), 512, 8
-TECHNIQUE = "voxel-cones:full,bounces=1,cones=6,width=1.0,samples=2"
-"""As many cones as the thesis traces, as wide, at all pixels."""
+TECHNIQUE = "voxel-cones:full,bounces=1,cones=6,width=1.0,samples=2,screen=0"
+"""As many cones as the thesis traces, as wide, through voxels alone, at all pixels."""
 
 WARM_UP = 2
 OTHER = "other"

@@ -23,7 +23,7 @@ from .lab import device
 from .registry import NeedsData, aim, at_least, at_most, figure
 from .stages import interleaved_stages
 
-HALF, FULL = "voxel-cones,bounces=1", "voxel-cones:full,bounces=1"
+HALF, FULL, FINEST = (f"voxel-cones{preset},bounces=1" for preset in ("", ":full", ":finest"))
 TIMED, SIZE, FRAMES = ("atrium", "corridor"), (640, 360), 5
 GATHERING = ("diffuse cones", "cone filter")
 
@@ -51,27 +51,46 @@ def vct_half_resolution() -> dict[str, float]:
     return {"faster": min(faster), **mean, **fine}
 
 
+@figure("vct_first_bounce", group="vct", unit="relative", bound={
+    "least_ratio": at_least(0.85), "most_ratio": at_most(1.15), "trimmed": at_most(0.25),
+})  # fmt: skip
+def vct_first_bounce() -> dict[str, float]:
+    """The preset for stills, 8 levels, against the path tracer's first bounce on the comparison set: of the views'
+    ratios of means the least and the most, of their trimmed errors, which follow, the largest."""
+    found, ratios = {}, []
+    for view in SET:
+        try:
+            if not view.lit_by:
+                errors = _errors(view, FINEST, 1)
+                ratios.append(errors["ratio"])
+                found[view.name] = errors["trimmed"]
+        except NeedsData:
+            continue
+    return {"least_ratio": min(ratios), "most_ratio": max(ratios), "trimmed": max(found.values()), **found}
+
+
 def _error_ratios(finer: int) -> dict[str, float]:
     """Of half resolution over full, by view."""
     found = {}
     for view in SET:
         try:
             if not view.lit_by:
-                found[view.name] = _error(view, HALF, finer) / _error(view, FULL, finer)
+                half, full = (_errors(view, text, finer)["trimmed"] for text in (HALF, FULL))
+                found[view.name] = half / full
         except NeedsData:
             continue
     return found
 
 
-def _error(view: View, text: str, finer: int) -> float:
+def _errors(view: View, text: str, finer: int) -> dict[str, float]:
+    """Of the first bounce, in pictures with so many times the pixels along each edge."""
     known = first_bounce(view)
     width, height = known.size
     studio = Studio(scene_of(view), device(), (finer * width, finer * height), view.camera, frames=0)
     rendering, every = studio.render(choice(text)), np.s_[finer // 2 :: finer, finer // 2 :: finer]
     mask, halves = known.mask & rendering.mask[every], known.halves["indirect"]
-    found = relative_errors(diffuse_indirect(rendering)[every], *halves, mask, known.pictures["indirect"])["trimmed"]
-    assert found is not None
-    return found
+    found = relative_errors(diffuse_indirect(rendering)[every], *halves, mask, known.pictures["indirect"])
+    return {name: value for name, value in found.items() if value is not None}
 
 
 REFLECTING = ("voxel-cones", "voxel-cones,bounces=1", "cascaded-lpv", "cascaded-lpv,bounces=1", "none")

@@ -54,7 +54,7 @@ def test_beside_a_lit_wall(device):
 LIGHTS = {
     "lamps": {"lights": [ALONG_FLOOR, PointLight(position=(0.2, 0.8, 0.3), intensity=(1.0, 2.0, 3.0))]},
     "area": {"lights": [AreaLight(corners=((-0.2, 0.9, -0.2), (0.2, 0.9, -0.2), (0.2, 0.9, 0.2), (-0.2, 0.9, 0.2)),
-                                  radiance=(3.0, 2.0, 1.0))]},
+                                  radiance=(30.0, 20.0, 10.0))]},
     "sky": {"environment": Environment(radiance=(3.0, 2.0, 1.0))},
 }  # fmt: skip
 

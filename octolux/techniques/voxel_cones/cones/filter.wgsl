@@ -1,6 +1,6 @@
 // Irradiance of every pixel from that of pixels around it, of which each tile of {{ tile }} x {{ tile }} has all phases of directions
-// once: the mean, over a tent twice as wide, of those that are alike (simulator/voxels/filtering.py). At a share of the resolution this also
-// fills in the pixels between.
+// once: the mean, over a tent twice as wide, of those that are alike (simulator/voxels/filtering.py). At a share of the
+// resolution this also fills in the pixels between.
 {{ use("techniques/voxel_cones/cones/alike.wgsl") }}
 
 @compute @workgroup_size({{ workgroup }})
@@ -11,7 +11,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let size = textureDimensions(light_map);
     var sum = vec4f(0.0);
     var weights = 0.0;
-    {% for y in range(2 * tile) %}{% for x in range(2 * tile) %}
+    {% set taps = 2 * tile - (resolution == 1) %}{# else the tent is 0 at the last #}
+    {% for y in range(taps) %}{% for x in range(taps) %}
     {
         let at = first + vec2i({{ x }}, {{ y }});
         let away = abs(vec2f({{ resolution }} * at + {{ resolution // 2 }} - own.pixel)) * {{ 1 / (tile * resolution) }};
