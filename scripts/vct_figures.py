@@ -30,7 +30,7 @@ from octolux.scene.scene import Scene
 from octolux.simulator.tonemap import signal, srgb_encode
 from octolux.techniques.voxel_cones.technique import VoxelCones
 
-TECHNIQUE = "voxel-cones:full"
+TECHNIQUE = "voxel-cones:full,screen=0"
 LIT = ("cornell_point", "corridor", "atrium", "crytek_sun")
 OPEN = ("cornell_point", "atrium", "crytek_sun")
 """Where something is seen of the sky."""
