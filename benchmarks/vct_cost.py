@@ -30,11 +30,10 @@ SIZE, CRYTEK_SIZE = (320, 180), (1280, 720)
 
 CRYTEK = {
     "full": "voxel-cones:full,bounces=1,cones=8,width=1.0,samples=2,screen=0",
-    "half": "voxel-cones:full,bounces=1,cones=8,width=1.0,samples=2,screen=0,resolution=2",
+    "half": "voxel-cones:full,bounces=1,cones=8,width=1.0,samples=2,screen=0,resolution=2,glossy_resolution=2",
     "default": "voxel-cones",
 }  # fmt: skip
-"""The first two with 8 diffuse cones a pixel of theirs, through voxels alone, as the clipmap has; all with a specular
-one at each."""
+"""The first two with 8 diffuse cones and a specular one a pixel of theirs, through voxels alone, as the clipmap has."""
 
 
 @figure("vct_memory", group="vct", unit="MB", bound={"axial": at_most(108.0), "lobes": at_most(72.0)})

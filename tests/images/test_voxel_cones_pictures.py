@@ -23,6 +23,7 @@ from octolux.scene.load import load_scene
 from octolux.scene.materials import Material
 from octolux.scene.medium import Medium
 from octolux.scene.scene import Scene
+from octolux.simulator.gtao import LEAST_WEIGHT
 from octolux.techniques import TECHNIQUES
 from octolux.techniques.voxel_cones.bricks.representation import REPRESENTATIONS
 from octolux.techniques.voxel_cones.technique import VoxelCones
@@ -178,6 +179,16 @@ def test_glossy_surfaces_reflect_the_voxels(device):
     shiny = replace(scene, materials=[replace(m, specular=1.0, roughness=0.1) for m in scene.materials])
     with_it, without = (renderer(device, shiny, glossy=on).render().layers["indirect"] for on in (True, False))
     assert with_it.mean() > 1.01 * without.mean()
+
+
+def test_reflections_at_fewer_pixels(device):
+    """Pixels that gather have what they have when all do, but for LEAST_WEIGHT of each of three others; those between
+    have other light."""
+    scene = load_scene("cornell-box")
+    shiny = replace(scene, materials=[replace(m, specular=1.0, roughness=0.5) for m in scene.materials])
+    every, half = (renderer(device, shiny, glossy_resolution=n).render().layers["specular"] for n in (1, 2))
+    np.testing.assert_allclose(half[1::2, 1::2], every[1::2, 1::2], atol=3.0 * LEAST_WEIGHT * every.max())
+    assert not np.allclose(half[::2, ::2], every[::2, ::2], rtol=0.01)
 
 
 def test_memory_does_not_grow():

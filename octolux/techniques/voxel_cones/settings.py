@@ -97,6 +97,10 @@ class VoxelConesSettings(Settings):
         True, meaning="glossy surfaces reflect the voxels", unit="", allowed=(False, True),
         cost="a tight cone a pixel, some 60 ms of a CPU at 1280 x 720", source="VCT 5.6",
     )  # fmt: skip
+    glossy_resolution: int = setting(
+        1, meaning="pixels along the edge of a block of which one gathers what is reflected", unit="pixels",
+        allowed=(1, 2, 4), cost="1: four times as long as 2; more blurs mirrors", source="VCT 7.2",
+    )  # fmt: skip
     sky: bool = setting(
         False, meaning="what is left of cones sees the sky, whose direct light then comes through them, and with "
         "`glossy` its reflection; else past shadow maps. What surfaces reflect of it is in the voxels either "

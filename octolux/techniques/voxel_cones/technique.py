@@ -47,7 +47,9 @@ class VoxelCones(Technique):
         self.diffuse = DiffuseCones(
             device, self.voxels, self.wide, resolution=s.resolution, reach=s.ambient_distance, **start
         )  # fmt: skip
-        self.specular = SpecularCones(device, self.voxels, step=s.step, **start) if s.glossy else None
+        self.specular: SpecularCones | None = None
+        if s.glossy:
+            self.specular = SpecularCones(device, self.voxels, step=s.step, resolution=s.glossy_resolution, **start)
         self._follow()
 
     def _follow(self) -> None:
