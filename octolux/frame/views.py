@@ -132,8 +132,10 @@ def directional_views(light: DirectionalLight, bounds: tuple[np.ndarray, np.ndar
     corners = np.array(np.meshgrid(*zip(*bounds, strict=True), indexing="ij")).reshape(3, -1).T
     along = corners @ np.stack([right, up, forward], axis=1)
     low, high = along.min(axis=0), along.max(axis=0)
-    # A hair of room, so that what lies on the box's faces is not clipped by rounding.
-    half = 0.5 * (high - low) + 1e-4 * max(float((high - low).max()), 1e-3)
+    # A hair of room, so that what lies on the box's faces is not clipped by rounding: places, and each of the products
+    # that a matrix makes of them, have 2^-24 of their distance from the origin.
+    hair = max(1e-4 * max(float((high - low).max()), 1e-3), 2.0**-20 * float(np.abs(along).max()))
+    half = 0.5 * (high - low) + hair
     centre = 0.5 * (low + high)
     position = right * centre[0] + up * centre[1] + forward * (centre[2] - half[2])
     return [View(position, right * half[0], up * half[1], forward, 0.0, 2.0 * half[2], False, resolution, resolution)]

@@ -18,7 +18,8 @@ from octolux.scene.load import load_scene
 
 WALL = quad([(-1, 0, -1), (1, 0, -1), (1, 1, -1), (-1, 1, -1)])
 ALONG_FLOOR = DirectionalLight(direction=(0.0, 0.0, -1.0), illuminance=(5.0, 5.0, 5.0))
-INTO_CORNER = Camera.look_at((0.0, 0.5, -0.3), (0.0, 0.1, -1.0), vertical_fov=1.2)
+EYE, SEEN = (0.0, 0.5, -0.3), (0.0, 0.1, -1.0)
+INTO_CORNER = Camera.look_at(EYE, SEEN, vertical_fov=1.2)
 
 
 def from_wall(points: np.ndarray) -> np.ndarray:
@@ -33,11 +34,14 @@ def from_wall(points: np.ndarray) -> np.ndarray:
     return np.array(found)
 
 
-def beside_the_wall(device, **settings) -> np.ndarray:
-    """Irradiance over the closed form, of floor pixels 0.02 to 0.1 m, at most three voxels, from the wall."""
-    scene = scene_of([FLOOR, WALL], [PAINT], lights=[ALONG_FLOOR])
-    picture = renderer(device, scene, size=(64, 48), **settings).render(INTO_CORNER)
-    place, seen = picture.layers["position"], picture.geometric_normal[..., 1] > 0.9
+def beside_the_wall(device, away=(0.0, 0.0, 0.0), **settings) -> np.ndarray:
+    """Irradiance over the closed form, of floor pixels 0.02 to 0.1 m, at most three voxels, from the wall. away: where
+    the scene's middle is."""
+    meshes = [replace(mesh, positions=(mesh.positions + np.array(away)).astype(np.float32)) for mesh in (FLOOR, WALL)]
+    scene = scene_of(meshes, [PAINT], lights=[ALONG_FLOOR])
+    camera = Camera.look_at(np.add(EYE, away), np.add(SEEN, away), vertical_fov=1.2)
+    picture = renderer(device, scene, size=(64, 48), **settings).render(camera)
+    place, seen = picture.layers["position"] - np.array(away), picture.geometric_normal[..., 1] > 0.9
     near = seen & (np.abs(place[..., 0]) < 0.2) & (place[..., 2] < -0.9) & (place[..., 2] > -0.98)
     assert near.sum() > 20
     light = picture.layers["irradiance"][near] / (5.0 * np.array(ALBEDO))
@@ -49,6 +53,13 @@ def test_beside_a_lit_wall(device):
     read beyond the wall's edges; voxels alone cannot tell where in them the wall is."""
     assert np.abs(beside_the_wall(device, preset="finest") - 1.0).max() <= 0.03
     assert np.abs(beside_the_wall(device, preset="finest", screen=0.0) - 1.0).max() > 0.15
+
+
+def test_far_from_the_origin(device):
+    """At 2^13 m places are known within 2^-11 m: of the least distance from the wall that is a 40th, by which its share
+    of the light may change."""
+    far = beside_the_wall(device, (2.0**13, 0.0, -(2.0**13)), preset="finest")
+    assert np.abs(far - 1.0).max() <= 0.03 + 2.0**-11 / 0.02
 
 
 LIGHTS = {

@@ -2,7 +2,10 @@
 {% if sky %}{{ use("shaders/environment.wgsl") }}{% endif %}
 
 // there: a surface inside the cube.  place: voxels of level 0; start: off the surface.  depth: 0 where nothing is seen.
-struct SeenVoxel { place: vec3f, start: vec3f, normal: vec3f, geometric: vec3f, to_eye: vec3f, depth: f32, there: bool, surface: Surface }
+struct SeenVoxel {
+    pixel: vec2u, place: vec3f, start: vec3f, normal: vec3f, geometric: vec3f, to_eye: vec3f, depth: f32, there: bool,
+    surface: Surface,
+}
 
 fn source_pixel(at: vec2u) -> vec2u {
     return min({{ resolution }}u * at + {{ resolution // 2 }}u, textureDimensions(depth_map) - 1u);
@@ -18,7 +21,7 @@ fn seen_voxel(at: vec2u) -> SeenVoxel {
     let place = (ray.origin + depth * ray.direction - voxels_of.origin) / voxels_of.size;
     let inside = all(place >= vec3f(0.0)) && all(place <= vec3f(EDGE));
     return SeenVoxel(
-        place, place + {{ offset }} * geometric, surface.normal, geometric, to_eye, depth, depth > 0.0 && inside, surface,
+        pixel, place, place + {{ offset }} * geometric, surface.normal, geometric, to_eye, depth, depth > 0.0 && inside, surface,
     );
 }
 

@@ -20,7 +20,7 @@ fn pixel_cone(seen: SeenVoxel, basis: Basis, number: u32, shift: vec2f) -> Pixel
     let towards = above(from_basis(basis, cone_axis(number, shift)), seen.geometric);
     {% if screen %}
     let jitter = fract({{ phases * golden }} * (f32(number) + shift.x));
-    let way = screen_way(seen.place + {{ clearance }} * seen.geometric, towards, jitter);
+    let way = screen_way(seen, towards, jitter);
     let met = way.met && seen.there;
     let traced = wide_cone(seen.start, towards, seen.geometric, select(way.free - {{ clear }}, 1e9, met), seen.there && !met);
     {% if limited %}open = select(open, select(0.0, 1.0, way.free > air.reach), met);{% endif %}

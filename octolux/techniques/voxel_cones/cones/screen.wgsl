@@ -4,26 +4,28 @@
 // light: that it reflects of direct light, nits; albedo: of what else it receives.
 struct ScreenWay { met: bool, free: f32, light: vec3f, albedo: vec3f }
 
-// place: voxels of level 0, on the surface.  jitter: of the steps, 0 to 1.
-fn screen_way(place: vec3f, towards: vec3f, jitter: f32) -> ScreenWay {
+// jitter: of the steps, 0 to 1.
+fn screen_way(seen: SeenVoxel, towards: vec3f, jitter: f32) -> ScreenWay {
     let view = views[0];
     let size = vec2f(textureDimensions(depth_map));
-    let start = voxels_of.origin + voxels_of.size * place;
+    let own = vec2f(seen.pixel) + 0.5;
+    let sight = view_ray(view, own).direction;
+    let lift = {{ clearance }} * voxels_of.size * seen.geometric;
     let forward = voxels_of.size * towards; // metres, a voxel
-    let clip_start = view.view_projection * vec4f(start, 1.0);
-    let clip_forward = view.view_projection * vec4f(forward, 0.0);
+    let place = of_pixel(view, own, seen.depth) + of_step(view, lift);
+    let place_step = of_step(view, forward);
     var free = 0.0;
     for (var k = 0u; k < {{ screen_steps }}u; k++) {
         let part = (f32(k) + jitter) * {{ 1 / screen_steps }};
         let travelled = {{ screen }} * part * part;
-        let clip = clip_start + travelled * clip_forward;
-        let pixel = (clip.xy / clip.w * vec2f(0.5, -0.5) + 0.5) * size;
-        if clip.w <= 0.0 || any(pixel < vec2f(0.0)) || any(pixel >= size) { break; }
+        let projected = place + travelled * place_step;
+        let pixel = projected.xy / projected.z;
+        if projected.z <= 0.0 || any(pixel < vec2f(0.0)) || any(pixel >= size) { break; }
         let at = vec2u(pixel);
         let depth = textureLoad(depth_map, at, 0).x;
         let surface = unpack_surface(textureLoad(surface_map, at, 0));
-        let ray = view_ray(view, vec2f(at) + 0.5);
-        let height = dot(start + travelled * forward - ray.origin - depth * ray.direction, surface.geometric_normal);
+        let shown = (depth - seen.depth) * sight + between_rays(view, vec2f(at) + 0.5 - own, depth);
+        let height = dot(lift + travelled * forward - shown, surface.geometric_normal);
         if depth > 0.0 && height < 0.0 {
             let sinks = -dot(forward, surface.geometric_normal);
             if -height > (travelled - free) * sinks { // it went behind that elsewhere
