@@ -86,6 +86,11 @@ class GpuScene:
         return self._placed.history.lasting_version
 
     @property
+    def culls(self) -> bool:
+        """Whether anything that is drawn has backs that a camera looks through."""
+        return self._placed.culls
+
+    @property
     def item_boxes(self) -> tuple[np.ndarray, np.ndarray]:
         """World-space boxes of all items, low and high, float64 (items, 3), m."""
         return self._placed.item_boxes

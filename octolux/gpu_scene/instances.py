@@ -14,7 +14,7 @@ from ..scene.scene import Scene
 from .clusters import visible, world_boxes
 from .geometry import Slot
 from .history import InstanceHistory
-from .materials import MaterialTable
+from .materials import SINGLE_SIDED, MaterialTable
 from .structs import INSTANCE, ITEM
 
 
@@ -95,6 +95,11 @@ class InstanceTable:
             self._buckets, self._glowing = np.zeros(0, np.int64), np.zeros(0, bool)
             self.bounds = (np.zeros(3), np.zeros(3))
         self._upload(rows, items)
+
+    @property
+    def culls(self) -> bool:
+        """Whether any of them has backs that a camera looks through."""
+        return bool((self._buckets & SINGLE_SIDED).any())
 
     @property
     def item_boxes(self) -> tuple[np.ndarray, np.ndarray]:

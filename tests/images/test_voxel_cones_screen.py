@@ -8,9 +8,9 @@ from math import pi
 import numpy as np
 import pytest
 from gpu_tools import scene_of
-from test_voxel_cones_pictures import ALBEDO, FLOOR, PAINT, renderer, technique
+from test_voxel_cones_pictures import ALBEDO, FLOOR, PAINT, from_above, renderer, technique
 
-from octolux.scene.builtin.shapes import quad
+from octolux.scene.builtin.shapes import box, quad
 from octolux.scene.cameras import Camera
 from octolux.scene.environment import Environment
 from octolux.scene.lights import AreaLight, DirectionalLight, PointLight
@@ -60,6 +60,18 @@ def test_far_from_the_origin(device):
     of the light may change."""
     far = beside_the_wall(device, (2.0**13, 0.0, -(2.0**13)), preset="finest")
     assert np.abs(far - 1.0).max() <= 0.03 + 2.0**-11 / 0.02
+
+
+@pytest.mark.parametrize("preset", ["default", "full", "finest"])
+def test_rooms_that_are_looked_into_through_their_ceilings(device, preset):
+    """Of a low room's floor, all that it sees is near, and not seen by the camera: no cone leaves the room, within the
+    bound of closed boxes. Corners, where voxels alone let so much out, are not looked at."""
+    room = scene_of([box((-1.0, 0.0, -1.0), (1.0, 0.2, 1.0), inward=True)], [PAINT])
+    made = renderer(device, room, preset)
+    picture = made.render(from_above(3.0, 1.5))
+    assert picture.mask.any() and (picture.geometric_normal[picture.mask][:, 1] > 0.9).any()
+    visible = device.read_texture(technique(made).diffuse.visibility, np.float32, 1)[..., 0]
+    assert visible[picture.mask].max() <= 0.05
 
 
 LIGHTS = {

@@ -35,14 +35,11 @@ import numpy as np
 from ..brdf import alpha_of
 from ..reflection import CONE, reflected_direction
 from .directions import PHASES, directions, half_angle
-from .screen import Shown, again, jitter
+from .screen import CLEAR, Shown, again, jitter
 
 SIZE = sqrt(3.0 / 8.0)
 LEFT = 2.0**-9
 """Share of a ray that is no longer followed: half a step of an 8-bit picture."""
-CLEAR = 1.5
-"""Voxels: a trilinear sample reaches one to either side, and a surface lies up to half of one off the middle of its
-own; along a normal that is not along an axis as many times more as the sum of its parts."""
 COVERS = ("surfaces", "medium")
 
 Read = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]

@@ -5,8 +5,12 @@ point on it is compared with what the pixel shows that it falls on: the tangent 
 free. Behind it the way has met that surface, if it was in front of the same plane one step before; else it went behind
 what stands nearer to the camera, where the picture knows nothing, and voxels say the rest, from where it went through
 that plane at the latest: it may have gone through the surface where a pixel shows what is beside it. So do they where
-the way leaves the picture. They resume cones.CLEAR earlier, for voxels there blur what may be met at once. There is no
-thickness to be chosen, and flat surfaces are never met by their own ways.
+the way leaves the picture, or what it shows. They resume CLEAR earlier, for voxels there blur what may be met at once.
+There is no thickness to be chosen, and flat surfaces are never met by their own ways.
+
+In front of what is shown a way is free only if all surfaces are: a camera looks through the backs of single-sided
+ones, as from above into rooms through their ceilings. Where anything has such backs, ways therefore end as high above
+what is shown as it may still be in the voxels that are read there (`ceiling`).
 
 Two depths that are compared are of different pixels, so on a plane a nearest pixel's depth alone would shadow what
 it slants away from: planes do not (McGuire and Mara 2014, "Efficient GPU screen-space ray tracing", compare depths and
@@ -31,6 +35,10 @@ from .directions import PHASES, phase_shift
 CLEARANCE = 2.0**-6
 """Voxels above the surface that ways start from: its normal has 12 bits in each of two numbers, and is off by 2^-10."""
 LEAST_STEPS = 4
+CLEAR = 1.5
+"""Voxels: a trilinear sample reaches one to either side, and a surface lies up to half of one off the middle of its
+own; along a normal that is not along an axis as many times more as the sum of its parts."""
+BOUNDLESS = 1e30
 
 
 class ScreenWay(NamedTuple):
@@ -44,6 +52,11 @@ class ScreenWay(NamedTuple):
     margin: np.ndarray
 
 
+def ceiling(culls: bool) -> float:
+    """Voxels above what is shown up to which ways go. culls: whether anything has backs that are not shown."""
+    return CLEAR if culls else BOUNDLESS
+
+
 def steps_of(reach: float) -> int:
     """So many that the last is 2 voxels long. reach: voxels."""
     return max(LEAST_STEPS, round(reach))
@@ -54,9 +67,9 @@ def jitter(number: int, phase: int) -> float:
     return PHASES * GOLDEN * (number + phase_shift(phase)[0]) % 1.0
 
 
-def screen_way(seen: Seen, start, towards, reach: float, shift: float) -> ScreenWay:
+def screen_way(seen: Seen, start, towards, reach: float, shift: float, highest: float = BOUNDLESS) -> ScreenWay:
     """From points (m, 3), metres, along vectors (m, 3), as long as a voxel's edge. reach: voxels.  shift: of the
-    steps, 0 to 1."""
+    steps, 0 to 1.  highest: above what is shown, metres."""
     positions, steps, shape = seen.positions(), steps_of(reach), seen.depth.shape
     free, going = np.zeros(len(start)), np.ones(len(start), bool)
     met, pixel = np.zeros(len(start), bool), np.full((len(start), 2), -1)
@@ -71,13 +84,15 @@ def screen_way(seen: Seen, start, towards, reach: float, shift: float) -> Screen
         going &= ((place >= 0) & (place < shape)).all(axis=-1)
         at = tuple(np.where(going[:, None], place, 0).T)
         height = np.sum((point - positions[at]) * seen.geometric[at], axis=-1)
-        there = going & (seen.depth[at] > 0.0)
-        behind = there & (height < 0.0)
+        going &= seen.depth[at] > 0.0
+        margin[going, 1] = np.minimum(margin[going, 1], np.abs(height - highest)[going])
+        going &= height <= highest
+        behind = going & (height < 0.0)
         sinks = -np.sum(towards * seen.geometric[at], axis=-1)
         sunk = (travelled - free) * sinks
         crossed = -height <= sunk
         sure = np.where(behind, np.minimum(-height, np.abs(height + sunk)), np.abs(height))
-        margin[there, 1] = np.minimum(margin[there, 1], sure[there])
+        margin[going, 1] = np.minimum(margin[going, 1], sure[going])
         met |= behind & crossed
         pixel = np.where((behind & crossed)[:, None], place, pixel)
         going &= ~(behind & ~crossed)

@@ -40,7 +40,7 @@ class DiffuseCones(PictureCones):
         self._gather = ComputePass(
             device, "diffuse cones", "techniques/voxel_cones/cones/diffuse.wgsl",
             [*self._read, *wide.bindings, *(SurroundingsMap.bindings() if sky else []), *out],
-            structs=[*self._structs, *([ENVIRONMENT] if sky else [])], sky=sky, sky_alpha=sky_alpha,
+            structs=[*self._structs, *wide.structs, *([ENVIRONMENT] if sky else [])], sky=sky, sky_alpha=sky_alpha,
             **self._values, **wide.values(),
         )  # fmt: skip
         raw = [storage_texture(name, "rgba32float", access="read") for name in ("light_map", "place_map")]
@@ -70,10 +70,10 @@ class DiffuseCones(PictureCones):
         """Trace the cones. grid: of the voxels; voxels: what the bindings of `Voxels` name."""
         around = self._wide.tile * _TOGETHER
         width, height = self._light.size[:2]
-        more = {**self._wide.resources(frame), **(frame.surroundings_map.resources if self._sky else {})}
+        more = frame.surroundings_map.resources if self._sky else {}
         self._gather.run(
             stage, (around * -(-width // around), height), **self._resources(frame, grid), **voxels, **more,
-            light_out=self._light, place_out=self._place,
+            **self._wide.resources(self.device, frame, grid), light_out=self._light, place_out=self._place,
         )  # fmt: skip
 
     def filter(self, stage: Any, frame: Frame) -> None:

@@ -23,10 +23,12 @@ fn screen_way(seen: SeenVoxel, towards: vec3f, jitter: f32) -> ScreenWay {
         if projected.z <= 0.0 || any(pixel < vec2f(0.0)) || any(pixel >= size) { break; }
         let at = vec2u(pixel);
         let depth = textureLoad(depth_map, at, 0).x;
+        if depth <= 0.0 { break; }
         let surface = unpack_surface(textureLoad(surface_map, at, 0));
         let shown = (depth - seen.depth) * sight + between_rays(view, vec2f(at) + 0.5 - own, depth);
         let height = dot(lift + travelled * forward - shown, surface.geometric_normal);
-        if depth > 0.0 && height < 0.0 {
+        if height > screen.ceiling { break; }
+        if height < 0.0 {
             let sinks = -dot(forward, surface.geometric_normal);
             if -height > (travelled - free) * sinks { // it went behind that elsewhere
                 free = select(free, min(free, max(travelled + height / sinks, 0.0)), sinks > 0.0);

@@ -7,11 +7,16 @@ from dataclasses import dataclass
 from typing import Any
 
 from ....frame.frame import Frame
-from ....gpu.bindings import Binding, texture
+from ....gpu.bindings import Binding, texture, uniform
+from ....gpu.device import Device
+from ....gpu.layout import Struct
 from ....scene.errors import OctoluxError
+from ....simulator.grid import Grid
 from ....simulator.gtao import GOLDEN
 from ....simulator.voxels import cones, directions, screen
 
+# ceiling: metres above what is shown up to which cones are followed on the screen.
+SCREEN = Struct("Screen", ceiling="f32")
 TILES = (1, 2, 4)
 MOST_SCREEN = 64.0
 
@@ -64,11 +69,22 @@ class WideCones:
     @property
     def bindings(self) -> Sequence[Binding]:
         """Of what pixel_cone.wgsl reads besides."""
-        return [texture("reflected_map")] if self.screen else []
+        return [texture("reflected_map"), uniform("screen", SCREEN)] if self.screen else []
 
-    def resources(self, frame: Frame) -> dict[str, Any]:
-        """For them."""
-        return {"reflected_map": frame.targets.direct_diffuse} if self.screen else {}
+    @property
+    def structs(self) -> Sequence[Struct]:
+        """Of the bindings."""
+        return [SCREEN] if self.screen else []
+
+    def resources(self, device: Device, frame: Frame, grid: Grid) -> dict[str, Any]:
+        """For the bindings. grid: of the voxels."""
+        if not self.screen:
+            return {}
+        ceiling = screen.ceiling(frame.gpu_scene.culls) * grid.cell_size
+        return {
+            "reflected_map": frame.targets.direct_diffuse,
+            "screen": device.uniform("voxel cones", SCREEN.pack(ceiling=ceiling)),
+        }
 
 
 USUAL = WideCones()

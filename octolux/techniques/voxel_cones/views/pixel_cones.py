@@ -46,8 +46,9 @@ class PixelCones(Gathering):
             device, "cones of a pixel", "techniques/voxel_cones/views/pixel_cones.wgsl",
             [*self._read, *wide.bindings, texture("brdf_table"), uniform("chosen", CHOSEN),
              storage_rw("samples", CONE_SAMPLE, "write"), storage_rw("counts", "u32", "write")],
-            structs=[*self._structs, CHOSEN, CONE_SAMPLE], workgroup=(32, 1, 1), room=ROOM, glossy=int(glossy),
-            diffuse=wide.sets * wide.count, sky=False, step=float(step), lobe=CONE, skip=voxels.skips, **values,
+            structs=[*self._structs, *wide.structs, CHOSEN, CONE_SAMPLE], workgroup=(32, 1, 1), room=ROOM,
+            glossy=int(glossy), diffuse=wide.sets * wide.count, sky=False, step=float(step), lobe=CONE,
+            skip=voxels.skips, **values,
         )  # fmt: skip
 
     def samples(self, frame: Frame, grid: Grid, pixel: tuple[int, int], **voxels: Any) -> np.ndarray:
@@ -64,7 +65,7 @@ class PixelCones(Gathering):
             self._trace.run(
                 stage, (self._cones,), chosen=self.device.uniform(label, CHOSEN.pack(column=column, row=row)),
                 samples=out, counts=counts, brdf_table=frame.surroundings_map.resources["brdf_table"],
-                **self._resources(frame, grid), **self._wide.resources(frame), **voxels,
+                **self._resources(frame, grid), **self._wide.resources(self.device, frame, grid), **voxels,
             )  # fmt: skip
         found = np.frombuffer(self.device.queue.read_buffer(out), CONE_SAMPLE.dtype).reshape(self._cones, ROOM)
         kept = np.frombuffer(self.device.queue.read_buffer(counts), np.uint32)[: self._cones]
