@@ -1,6 +1,6 @@
 """The first part of a cone, followed among what the picture shows: voxels blur what is as near as their edges.
 
-A way goes out from a surface that is seen, in steps that grow with the distance as the distance's root does, and each
+A way goes out from a surface that is seen, in steps that grow with the square root of the distance, and each
 point on it is compared with what the pixel shows that it falls on: the tangent plane there. In front of it the way is
 free. Behind it the way has met that surface, if it was in front of the same plane one step before; else it went behind
 what stands nearer to the camera, where the picture knows nothing, and voxels say the rest, from where it went through
@@ -17,9 +17,9 @@ it slants away from: planes do not (McGuire and Mara 2014, "Efficient GPU screen
 choose a thickness).
 
 What is met reflects its direct light, of which the picture has the diffuse part. What it receives besides is taken for
-what the pixel itself receives, as both are near one another (Jimenez et al. 2016, section 7, of ambient occlusion):
-with the mean albedo k that a pixel's cones meet, what they bring, F, and the sky between, S, after n reflections
-E(n) = F + k (E(n - 1) + S), E(0) = 0.
+what the pixel itself receives, as both are near one another (as Jimenez et al. 2016, "Practical real-time strategies for
+accurate indirect occlusion", do for ambient occlusion). With the mean albedo k that a pixel's cones meet, what they
+bring, F, and the sky between, S, after n reflections it is E(n) = F + k (E(n - 1) + S), E(0) = 0.
 """
 
 from __future__ import annotations
