@@ -17,8 +17,8 @@ it slants away from: planes do not (McGuire and Mara 2014, "Efficient GPU screen
 choose a thickness).
 
 What is met reflects its direct light, of which the picture has the diffuse part. What it receives besides is taken for
-what the pixel itself receives, as both are near one another (as Jimenez et al. 2016, "Practical real-time strategies for
-accurate indirect occlusion", do for ambient occlusion). With the mean albedo k that a pixel's cones meet, what they
+what the pixel itself receives, as both are near one another (as Jimenez et al. 2016, "Practical real-time strategies
+for accurate indirect occlusion", do for ambient occlusion). With the mean albedo k that a pixel's cones meet, what they
 bring, F, and the sky between, S, after n reflections it is E(n) = F + k (E(n - 1) + S), E(0) = 0.
 """
 
