@@ -272,7 +272,7 @@ class Renderer:
         return float(exposure_factor(self.exposure if self.exposure is not None else 0.0))
 
     def statistics(self) -> dict[str, Any]:
-        """What `--stats` writes: adapter, technique, settings, size, times and memory."""
+        """What `--stats` writes: adapter, technique, settings, size, times, pools and memory."""
         return {
             "adapter": self.device.adapter_name,
             "technique": self.technique.name,
@@ -284,6 +284,7 @@ class Renderer:
             "stages": self.profiler.stages(),
             "timing": self.profiler.mode,
             "timing_note": self.profiler.note,
+            "pools": self.technique.pools(),
             "memory_bytes": {"total": self.device.memory.total, **self.device.memory.by_label()},
         }
 

@@ -54,6 +54,11 @@ class Technique(ABC):
         """What the cache holds after a frame, by name; the names are known before one."""
         return DebugViews({})
 
+    def pools(self) -> dict[str, dict[str, int]]:
+        """How full is what grows with the scene, by name: how many elements are `used`, for how many there is `room`
+        now, and the `most` that there can be. Nothing where the scene has no part in it."""
+        return {}
+
     def memory(self) -> dict[str, int]:
         """Bytes by resource that techniques of this kind hold on the device: those labelled with `label`."""
         return {k: v for k, v in self.device.memory.by_label().items() if self.label and k.startswith(self.label)}

@@ -187,6 +187,21 @@ def test_a_scene_in_which_everything_has_moved(device):
     assert np.array_equal(made.render().radiance, before)
 
 
+def test_pools_say_how_full_they_are(device):
+    """What is there fits, exactly where it was made for it; what moves has pools of its own."""
+    scene = load_scene("cornell-box")
+    made = renderer(device, scene)
+    made.render()
+    pools, counts = made.statistics()["pools"], technique(made).octree.octree.counts
+    assert set(pools) == {f"static {name}" for name in ("leaves", "voxels", "nodes", "bricks")}
+    assert pools["static nodes"]["used"] == counts.nodes and pools["static voxels"]["used"] == counts.voxels
+    assert all(0 < pool["used"] <= pool["room"] <= pool["most"] for pool in pools.values())
+    first, *others = scene.instances
+    made.scene = replace(scene, instances=[replace(first, transform=first.transform + np.eye(4, k=3) * 0.01), *others])
+    made.render()
+    assert made.statistics()["pools"]["moving voxels"]["used"] > 0
+
+
 def test_nothing_grows():
     """Neither memory nor the octree of what moves, while the cube and the lamp go round."""
     device, base = Device(), room()  # of others, things may be collected meanwhile

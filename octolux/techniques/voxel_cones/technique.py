@@ -136,6 +136,10 @@ class VoxelCones(Technique):
             with frame.profiler.stage("specular cones") as stage:
                 self.specular.run(stage, frame, grid, **voxels)
 
+    def pools(self) -> dict[str, dict[str, int]]:
+        octrees = zip(("static", "moving"), self.parts.octrees, strict=False)
+        return {f"{part} {name}": full for part, octree in octrees for name, full in octree.pools().items()}
+
     def debug_views(self) -> DebugViews:
         """See views.py."""
         return VoxelViews(self).all()

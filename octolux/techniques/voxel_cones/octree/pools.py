@@ -38,6 +38,11 @@ class Pool:
         self.used = self.capacity = self.made = 0
         self.resource: Any = None
 
+    @property
+    def fullness(self) -> dict[str, int]:
+        """How many elements there are, for how many there is room now, and for how many there can be."""
+        return {"used": self.used, "room": self.capacity, "most": self.limit}
+
     def need(self, count: int) -> bool:
         """Have room for `count` elements; what was in it is lost when it grows. Returns whether it did.
 

@@ -137,10 +137,10 @@ class VoxelOctree:
                 facing=self.bricks.facing.resource,
             )  # fmt: skip
 
-    def pools(self) -> dict[str, tuple[int, int]]:
-        """How many elements each pool holds, and for how many it has room."""
+    def pools(self) -> dict[str, dict[str, int]]:
+        """How full each pool is (Technique.pools)."""
         all_pools = self.octree.leaves, self.voxels, self.bricks.facing, self.bricks.owners
-        return {pool.name: (pool.used, pool.capacity) for pool in all_pools}
+        return {pool.name: pool.fullness for pool in all_pools}
 
     def codes(self) -> np.ndarray:
         """The code of each node, uint32 (nodes,); see codes.wgsl."""
