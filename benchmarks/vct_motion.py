@@ -118,7 +118,7 @@ def long_run(frames: int, size: tuple[int, int] = (64, 48), depth: int = 6) -> L
         run.pictures.append(hashlib.sha256(np.ascontiguousarray(picture.radiance).tobytes()).digest())
         run.memory.append(device().memory.total)
         if technique.parts.moving:
-            run.used.append(tuple(used for used, _ in technique.parts.moving.pools().values()))
+            run.used.append(tuple(pool["used"] for pool in technique.parts.moving.pools().values()))
     return run
 
 

@@ -62,16 +62,16 @@ def test_pools_grow_and_say_how_full_they_are(device):
     grid = grid_of(5)
     octree = built(device, random_scene(grid, 5, 3.0, 11)[0], grid)
     small = octree.pools()
-    assert all(used == room > 0 for used, room in small.values())
+    assert all(pool["used"] == pool["room"] > 0 for pool in small.values())
     scene, expected = random_scene(grid, 200, 8.0, 12)
     built(device, scene, grid, octree)
-    for name, (used, room) in octree.pools().items():
-        assert small[name][1] < used <= room, name
+    for name, pool in octree.pools().items():
+        assert small[name]["room"] < pool["used"] <= pool["room"] <= pool["most"], name
     np.testing.assert_array_equal(read(octree).touched, expected.touched)
     largest = octree.pools()
     built(device, random_scene(grid, 5, 3.0, 11)[0], grid, octree)
-    for name, (used, room) in octree.pools().items():
-        assert used == small[name][0] and room == largest[name][1], name
+    for name, pool in octree.pools().items():
+        assert pool["used"] == small[name]["used"] and pool["room"] == largest[name]["room"], name
 
 
 def test_a_pool_that_cannot_grow_says_so():
