@@ -87,6 +87,9 @@ def render(
     sky_lights: cli_options.SkyLights = 32,
     shadow_resolution: cli_options.ShadowResolution = 1024,
     rsm_resolution: cli_options.RsmResolution = 256,
+    shadow_filter: cli_options.ShadowFilter = 2,
+    normal_maps: cli_options.NormalMaps = True,
+    inverse_square: cli_options.InverseSquare = True,
     adapter: cli_options.Adapter = None,
     size: cli_options.Size = "1280x720",
     camera: cli_options.CameraName = None,
@@ -119,7 +122,8 @@ def render(
         console.out.print("nothing to do: all files are complete")
         return
     of_frames = {"shadow_resolution": shadow_resolution, "rsm_resolution": rsm_resolution, "sky_lights": sky_lights,
-                 "fog_resolution": fog_resolution}  # fmt: skip
+                 "fog_resolution": fog_resolution, "shadow_filter": shadow_filter, "normal_maps": normal_maps,
+                 "inverse_square": inverse_square}  # fmt: skip
     renderer = _renderer(
         loaded, adapter, of_frames, technique=technique, settings=settings, size=plan.size, exposure=exposure,
         anti_aliasing=anti_aliasing, sequence=plan.filtered, tone_map=tone_map, transparent=alpha,
@@ -152,9 +156,9 @@ def _settings(technique: str, preset: str, pairs: list[str], **given: float | No
     return technique_class(technique).settings_class.from_strings(preset, overrides)
 
 
-def _renderer(scene: Scene, adapter: str | None, frame: dict[str, int], **options: Any) -> Renderer:
+def _renderer(scene: Scene, adapter: str | None, frame: dict[str, Any], **options: Any) -> Renderer:
     """A renderer that times its stages, `frame` being its FrameSettings; says what the scene lacks."""
-    from .frame.frame import FrameSettings
+    from .frame.settings import FrameSettings
     from .gpu.device import Device
     from .renderer import Renderer
 

@@ -44,6 +44,13 @@ SkyLights = Annotated[
 ]
 ShadowResolution = Annotated[int, _option(_LIGHT, "N", "Texels along a shadow map's edge.", min=16, max=8192)]
 RsmResolution = Annotated[int, _option(_LIGHT, "N", "VPLs along the edge of a light's view.", min=8, max=4096)]
+ShadowFilter = Annotated[
+    int, _option(_LIGHT, "1|2", "Texels along the edge of the block that shadows' edges are blended over; 1: steps.")
+]
+NormalMaps = Annotated[bool, _option(_LIGHT, None, "Surfaces have the normal maps of their materials.")]
+InverseSquare = Annotated[
+    bool, _option(_LIGHT, None, "Point and spot lights fall off; else they bring everywhere what they do at 1 m.")
+]
 Adapter = Annotated[
     str | None, _option(_LIGHT, "NAME", "Part of a graphics adapter's name; `octolux devices` lists them.")
 ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -14,12 +13,13 @@ from .frame.composite import CompositePass
 from .frame.direct import DirectLightPass
 from .frame.emitters import EmitterLight, emitter_lights
 from .frame.environment import SurroundingsMap
-from .frame.fog import RESOLUTIONS, FogPass
-from .frame.frame import COARSE_BLOCK, Frame, FrameBuffers, FrameSettings, Targets, TracedPaths
+from .frame.fog import FogPass
+from .frame.frame import Frame, FrameBuffers, Targets, TracedPaths
 from .frame.gbuffer import GBufferPass
 from .frame.lights import light_set
 from .frame.medium import MediumBuffers
 from .frame.rsm import RSMPass
+from .frame.settings import FrameSettings
 from .frame.shadows import ShadowMapPass
 from .frame.views import View, camera_view
 from .frame.visibility import VisibilityPass, draw_list
@@ -86,7 +86,6 @@ class Renderer:
         self._by_hand: Camera | None = None  # the camera of the frame before, where it was none of the scene's
         base = frame_settings or FrameSettings()
         self.frame_settings = replace(base, width=size[0], height=size[1])
-        _check_size(self.frame_settings)
         self.device = device or Device()
         with self.device.guard():
             self.profiler = Profiler(self.device, None if profile else "off")
@@ -209,7 +208,7 @@ class Renderer:
     ) -> Frame:
         settings, gpu_scene = self.frame_settings, self.gpu_scene
         scene = self._lit(self.scene)
-        gpu_scene.sync(scene)
+        gpu_scene.sync(scene, settings.normal_maps)
         self._surroundings.sync(scene.environment)
         if self._passes_of != gpu_scene.version:
             visibility = VisibilityPass(self.device, gpu_scene)
@@ -221,7 +220,7 @@ class Renderer:
         if self.technique.soft_light and not self.technique.replaces_direct:
             soft = [*self._emitters(scene), *self._surroundings.lights(settings.sky_lights)]
         resolutions = (settings.shadow_resolution, settings.coarse_resolution)
-        lights = light_set([*scene.lights, *soft], gpu_scene.bounds, *resolutions)
+        lights = light_set([*scene.lights, *soft], gpu_scene.bounds, *resolutions, settings.inverse_square)
         views = [self._view(self._camera(wanted, scene)), *lights.views]
         drawn = [] if self.technique.replaces_direct else lights.views  # rays need no shadow maps
         draws = draw_list(gpu_scene, [views[0].widened(), *drawn], glow_free=lights.emitter_views)
@@ -305,20 +304,3 @@ def _check_exposure(exposure: float | None) -> None:
     """An exposure beyond 2^64 either way is a slip, and would leave float32's range."""
     if exposure is not None and not abs(exposure) <= 64:
         raise OctoluxError(f"The exposure is EV100, from about -6 (starlight) to 16 (snow in the sun), not {exposure}.")
-
-
-def _check_size(settings: FrameSettings) -> None:
-    """Raise OctoluxError for sizes that cannot be."""
-    for name, value, most in (("width", settings.width, 8192), ("height", settings.height, 8192)):
-        if not 1 <= value <= most:
-            raise OctoluxError(f"The picture's {name} must be 1 to {most} pixels, not {value}.")
-    if settings.coarse_resolution % COARSE_BLOCK:
-        raise OctoluxError(f"coarse_resolution {settings.coarse_resolution} is not a multiple of {COARSE_BLOCK}.")
-    if settings.fog_resolution not in RESOLUTIONS:
-        raise OctoluxError(f"fog_resolution is 1, 2 or 4 pixels, not {settings.fog_resolution}.")
-    if not 0.0 < settings.fog_step < math.inf:
-        raise OctoluxError(f"fog_step is a number of cells above 0, not {settings.fog_step}.")
-    if settings.shadow_resolution % settings.rsm_resolution:
-        raise OctoluxError(
-            f"rsm_resolution {settings.rsm_resolution} does not divide shadow_resolution {settings.shadow_resolution}."
-        )

@@ -75,6 +75,7 @@ class Timeline:
             "camera": self._camera_name(),
             "technique": statistics["technique"],
             "settings": json.dumps(statistics["settings"]),
+            "frame_settings": json.dumps(vars(self.renderer.frame_settings)),
             "adapter": statistics["adapter"],
             "frame": frame,
             "framesPerSecond": Fraction(self.fps).limit_denominator(1001),
@@ -223,8 +224,8 @@ def _frame(plan: Plan, timeline: Timeline, frame: int, made: Made) -> np.ndarray
     if frame not in plan.missing:
         return plan.stored_display(frame)
     if plan.resume and plan.options.paths:
-        settings = timeline.renderer.technique.settings.as_dict()
-        starts = (exr.traced(path, settings) for path in plan.missing[frame] if path.suffix.lower() == ".exr")
+        made_with = (timeline.renderer.technique.settings.as_dict(), timeline.renderer.frame_settings)
+        starts = (exr.traced(path, *made_with) for path in plan.missing[frame] if path.suffix.lower() == ".exr")
         timeline.renderer.start = next((s for s in starts if s and s.radiance.shape[:2] == plan.size[::-1]), None)
     made.last = picture = timeline.render(frame)
     made.rendered += 1

@@ -66,10 +66,13 @@ def compare(
     sky_lights: o.SkyLights = 32,
     shadow_resolution: o.ShadowResolution = 1024,
     rsm_resolution: o.RsmResolution = 256,
+    shadow_filter: o.ShadowFilter = 2,
+    normal_maps: o.NormalMaps = True,
+    inverse_square: o.InverseSquare = True,
     adapter: o.Adapter = None,
 ) -> None:
     """Render SCENE with several techniques and measure them against a reference."""
-    from ..frame.frame import FrameSettings
+    from ..frame.settings import FrameSettings
     from ..gpu.device import Device
     from . import compare as compared
     from .choices import choices
@@ -86,7 +89,8 @@ def compare(
         scene, technique, reference, size=pixels, camera=camera, exposure=exposure, tone_map=tone_map, frames=frames,
         reference_samples=reference_samples, default_light=default_light, device=Device(adapter),
         frame_settings=FrameSettings(
-            shadow_resolution=shadow_resolution, rsm_resolution=rsm_resolution, sky_lights=sky_lights
+            shadow_resolution=shadow_resolution, rsm_resolution=rsm_resolution, sky_lights=sky_lights,
+            shadow_filter=shadow_filter, normal_maps=normal_maps, inverse_square=inverse_square,
         ),
         command=shlex.join(["octolux", *sys.argv[1:]]), progress=lambda text: console.notes.print(text, markup=False),
     )  # fmt: skip

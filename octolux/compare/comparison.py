@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .. import __version__
-from ..frame.frame import FrameSettings
+from ..frame.settings import FrameSettings
 from ..gpu.device import Device
 from ..scene.errors import OctoluxError, SceneError
 from ..scene.load import load_scene
@@ -71,6 +71,8 @@ def compare(
         known = studio.reference(wanted, reference_samples)
     assert known is not None
     notes = _check_view(known, dark)
+    if file:
+        notes += _other_settings(known, studio.frame_settings or FrameSettings())
     mask = known.mask & dark.mask
     entries = []
     for one in (*measured, fitted_constant(known, dark.albedo, mask), black()):
@@ -107,6 +109,13 @@ def _check_view(known: Reference, ours: Rendering) -> list[str]:
     if apart > _SAME_PLACE * extent:
         return [f"the reference shows other places: half of the surfaces are more than {apart:.3g} m off; see --camera"]
     return []
+
+
+def _other_settings(known: Reference, settings: FrameSettings) -> list[str]:
+    """What a reference's file is made with that techniques are not; where it does not tell, the defaults."""
+    made = {**FrameSettings().of_paths, **known.facts.get("frame_settings", {})}
+    others = [(name, value) for name, value in settings.of_paths.items() if made[name] != value]
+    return [f"the reference is made with {name}={made[name]}, the techniques with {value}" for name, value in others]
 
 
 def _entry(

@@ -5,10 +5,12 @@ from __future__ import annotations
 import zipfile
 import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import OpenEXR
 
+from ..output.exr import shared_settings
 from ..output.options import LAYERS, channel_names
 from ..scene.errors import SceneError
 from .reference import Reference
@@ -25,7 +27,7 @@ def read_reference(path: Path, paths: str = "") -> Reference:
     first_bounce. Raises SceneError for a file that is missing, broken, lacks a layer or holds NaN or infinities."""
     if not path.is_file():
         raise SceneError(path, "", "no such file", "Check the reference's name")
-    layers = _read_exr(path) if path.suffix.lower() == ".exr" else _read_npz(path)
+    layers, about = _read_exr(path) if path.suffix.lower() == ".exr" else (_read_npz(path), {})
     layers = _with_means(layers)
     if any(name in layers for name in _BY_PATHS):
         return _by_light_paths(path, layers, paths or "all_indirect")
@@ -35,7 +37,8 @@ def read_reference(path: Path, paths: str = "") -> Reference:
     pictures = {"final": layers["radiance"], "indirect": layers["indirect"], "direct": layers["direct"]}
     halves = {name: (picture, picture) for name, picture in pictures.items()}
     mask = layers["depth"] > 0
-    return Reference(path.name, pictures, halves, mask, False, {"file": str(path)}, layers.get("position"))
+    facts = {"file": str(path), **about}
+    return Reference(path.name, pictures, halves, mask, False, facts, layers.get("position"))
 
 
 def _with_means(layers: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -78,9 +81,12 @@ def _check(path: Path, layers: dict[str, np.ndarray], needed: tuple[str, ...], r
             raise SceneError(path, name, f"{bad} values are NaN or infinite", "Render the reference anew")
 
 
-def _read_exr(path: Path) -> dict[str, np.ndarray]:
+def _read_exr(path: Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """The layers, and `frame_settings`, those that all techniques share, where the header has them."""
     try:
-        found = OpenEXR.File(str(path), separate_channels=True).channels()
+        file = OpenEXR.File(str(path), separate_channels=True)
+        found, header = file.channels(), file.header()
+        about = {"frame_settings": shared_settings(header)} if "frame_settings" in header else {}
     except (RuntimeError, OSError, ValueError) as error:
         raise _broken(path) from error
     channels = {name: np.asarray(channel.pixels, dtype=np.float32) for name, channel in found.items()}
@@ -90,7 +96,7 @@ def _read_exr(path: Path) -> dict[str, np.ndarray]:
         if all(name in channels for name in names):
             parts = [channels[name] for name in names]
             layers[layer] = parts[0] if len(parts) == 1 else np.stack(parts, axis=-1)
-    return layers
+    return layers, about
 
 
 def _read_npz(path: Path) -> dict[str, np.ndarray]:

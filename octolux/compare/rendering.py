@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ..frame.frame import FrameSettings
+from ..frame.settings import FrameSettings
 from ..gpu.device import Device
 from ..picture import Picture
 from ..renderer import Renderer

@@ -11,7 +11,7 @@ from .area_lights import AreaLightBuffers, AreaLights, area_lights
 from .environment import SurroundingsMap
 from .frame import Frame
 from .lights import KINDS, Counts
-from .medium import MEDIUM, MediumBuffers
+from .medium import MEDIUM
 from .shader_values import CONSTANTS
 from .structs import AREA_LIGHT, ENVIRONMENT, LIGHT, SKY_PICK, VIEW, lights_binding, views_binding
 from .views import CUBE_FACES
@@ -32,12 +32,12 @@ class DirectLightPass:
         self.device = device
         self._sky_pick = device.uniform("sky pick", SKY_PICK.array(1))
         self._area_lights: AreaLightBuffers | None = None  # made when there are any
-        self._variants: dict[tuple[Counts, tuple[int, ...], bool | None, bool], ComputePass] = {}
+        self._variants: dict[tuple, ComputePass] = {}
 
-    def _variant(
-        self, counts: Counts, areas: AreaLights, medium: MediumBuffers | None, diffuse: bool
-    ) -> ComputePass:
-        key = (counts, areas.emitters, medium.has_density if medium else None, diffuse)
+    def _variant(self, counts: Counts, areas: AreaLights, frame: Frame) -> ComputePass:
+        medium, diffuse = frame.medium, frame.targets.direct_diffuse is not None
+        shared = {name: getattr(frame.settings, name) for name in ("shadow_filter", "inverse_square")}
+        key = (counts, areas.emitters, medium.has_density if medium else None, diffuse, *shared.values())
         if key not in self._variants:
             self._variants[key] = ComputePass(
                 self.device, "direct light", "frame/direct.wgsl",
@@ -50,7 +50,7 @@ class DirectLightPass:
                     *(medium.bindings if medium else ()),
                 ],
                 structs=[VIEW, LIGHT, ENVIRONMENT, SKY_PICK, AREA_LIGHT, *([MEDIUM] if medium else [])], shadows=True,
-                diffuse=diffuse, **light_groups(counts, areas), **AreaLightBuffers.values(), **CONSTANTS,
+                diffuse=diffuse, **shared, **light_groups(counts, areas), **AreaLightBuffers.values(), **CONSTANTS,
                 **(medium.values if medium else {"medium": False}),
             )  # fmt: skip
         return self._variants[key]
@@ -69,11 +69,10 @@ class DirectLightPass:
             more |= {**self._area_lights.write(areas), "brdf_table": surroundings.resources["brdf_table"]}
         if frame.medium:
             more |= frame.medium.resources
-        diffuse = frame.targets.direct_diffuse
-        if diffuse:
-            more |= {"diffuse_out": diffuse}
+        if frame.targets.direct_diffuse:
+            more |= {"diffuse_out": frame.targets.direct_diffuse}
         with frame.profiler.stage("direct light") as stage:
-            self._variant(counts, areas, frame.medium, diffuse is not None).run(
+            self._variant(counts, areas, frame).run(
                 stage, frame.pixels, surface_map=frame.targets.surface, depth_map=frame.targets.depth,
                 shadow_maps=frame.shadow_maps, shadow_sampler=shadow_sampler, direct_out=frame.targets.direct,
                 views=frame.buffers["views"], lights=frame.buffers["lights"], **more,

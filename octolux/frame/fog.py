@@ -17,9 +17,6 @@ from .shader_values import CONSTANTS
 from .structs import AREA_LIGHT, LIGHT, VIEW, lights_binding, views_binding
 from .volume_light import VolumeLight
 
-RESOLUTIONS = (1, 2, 4)
-"""Pixels along the edge of the block that one path of fog stands for."""
-
 STEPS = 32
 """Steps of a path where no volume says how long they are. A step that a shadow's edge cuts is lit or dark as a whole;
 over the 16 places that the dither gives a step, and which the filter brings together, it is wrong by at most half a
@@ -83,9 +80,11 @@ class FogPass:
     def _march(self, stage: Any, frame: Frame, common: dict[str, Any]) -> None:
         counts, volume, written = frame.lights.counts, frame.volume_light, self._written("marched")
         more = {"coarse_maps": frame.coarse_maps} if any(counts[3:]) else {}
-        key = ("march", frame.settings.fog_resolution, counts, self.medium.has_density, volume and volume.key)
+        inverse_square, kind = frame.settings.inverse_square, (self.medium.has_density, volume and volume.key)
+        key = ("march", frame.settings.fog_resolution, counts, inverse_square, *kind)
         if key not in self._passes:
-            values = _march_values(volume, {"coarse": bool(more), **light_groups(counts, _all_points(counts))})
+            lights = {"inverse_square": inverse_square, **light_groups(counts, _all_points(counts))}
+            values = _march_values(volume, {"coarse": bool(more), **lights})
             maps = [texture(name, "depth", "2d-array") for name in ("shadow_maps", *more)]
             self._passes[key] = self._made(
                 "fog march", "frame/fog.wgsl", frame, [

@@ -28,17 +28,25 @@ fn mean_falloff(to_light: vec3f, direction: vec3f, step: f32, more: f32) -> f32 
     return atan2(height * step, square + along * along - 0.25 * step * step) / max(height * step, 1e-37);
 }
 
+fn lamp_falloff(light: Light, middle: vec3f, direction: vec3f, step: f32) -> f32 {
+    {% if inverse_square %}
+    return mean_falloff(light.position - middle, direction, step, 0.0);
+    {% else %}
+    return 1.0;
+    {% endif %}
+}
+
 fn fluence_directional(light: Light, view: u32, position: vec3f, middle: vec3f, direction: vec3f, step: f32) -> vec3f {
     return light.color * through_from_afar(light, position) * reaches(view, position);
 }
 fn fluence_spot(light: Light, view: u32, position: vec3f, middle: vec3f, direction: vec3f, step: f32) -> vec3f {
     let cone = spot_attenuation(light, normalize(light.position - position));
-    let falloff = mean_falloff(light.position - middle, direction, step, 0.0);
+    let falloff = lamp_falloff(light, middle, direction, step);
     return light.color * through_from_place(light, position) * (reaches(view, position) * cone * falloff);
 }
 fn fluence_point(light: Light, view: u32, position: vec3f, middle: vec3f, direction: vec3f, step: f32) -> vec3f {
     let lit = reaches(view + cube_face(position - light.position), position);
-    let falloff = mean_falloff(light.position - middle, direction, step, 0.0);
+    let falloff = lamp_falloff(light, middle, direction, step);
     return light.color * through_from_place(light, position) * (lit * falloff);
 }
 {% if emitters %}

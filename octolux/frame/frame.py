@@ -15,38 +15,14 @@ from ..gpu_scene.gpu_scene import GpuScene
 from ..scene.environment import Environment
 from ..scene.scene import Scene
 from .lights import LightSet
+from .settings import FrameSettings
 from .structs import LIGHT, MAX_LIGHTS, MAX_VIEWS, RASTER_VIEW, RASTER_VIEW_STRIDE, VIEW
 from .views import View
 from .visibility import DrawList
 from .volume_light import VolumeLight
 
-COARSE_BLOCK = 8  # soft lights are many and even: a VPL for 8 x 8 texels of their maps
 TEXTURE, STORAGE = wgpu.TextureUsage.TEXTURE_BINDING, wgpu.TextureUsage.STORAGE_BINDING
 RENDER, COPY = wgpu.TextureUsage.RENDER_ATTACHMENT, wgpu.TextureUsage.COPY_SRC
-
-
-@dataclass(frozen=True)
-class FrameSettings:
-    """What all techniques share.
-
-    width, height: pixels.  shadow_resolution: texels along a shadow map's edge.  rsm_resolution: VPLs along an RSM's
-    edge, one taken of each block of shadow texels; it divides shadow_resolution.  sky_lights: distant lights that stand
-    for the surroundings; 0 leaves these to be seen without lighting anything.  emitter_lights: lights that stand for
-    all glowing surfaces, and for area lights in their shadows and indirect light; 0 leaves both to glow alone.
-    coarse_resolution: texels along the edge of the shadow maps of both, COARSE_BLOCK of them to a VPL.  fog_resolution:
-    1, 2 or 4: one path of fog is marched for each block of pixels with that edge.  fog_step: length of a step of fog,
-    in cells of the technique's light volume and of the medium's density.
-    """
-
-    width: int = 1280
-    height: int = 720
-    shadow_resolution: int = 1024
-    rsm_resolution: int = 256
-    sky_lights: int = 32
-    emitter_lights: int = 4
-    coarse_resolution: int = 512
-    fog_resolution: int = 2
-    fog_step: float = 1.0
 
 
 class Targets:

@@ -67,7 +67,9 @@ KINDS = {
 """Lights that have shadow maps, in the order in which they lie on the device."""
 
 
-def light_set(lights: list[Light], bounds: Bounds, resolution: int, coarse_resolution: int = 1) -> LightSet:
+def light_set(
+    lights: list[Light], bounds: Bounds, resolution: int, coarse_resolution: int = 1, inverse_square: bool = True
+) -> LightSet:
     """Pack the lights that have shadow maps: area lights have none, but are among the emitters.
 
     Raises DeviceError when their shadow maps need more layers than an array has.
@@ -89,7 +91,10 @@ def light_set(lights: list[Light], bounds: Bounds, resolution: int, coarse_resol
         )
     directional, spot, point, emitter, sky = (len(group) for group in by_kind)
     flux = np.array([_total_flux(light, v) for light, v in zip(ordered, _grouped(views, owners), strict=True)])
-    return LightSet(ordered, packed, (directional, spot, point, emitter, sky), views, owners, flux.reshape(-1, 3))
+    flux = flux.reshape(-1, 3)
+    if not inverse_square:
+        flux *= np.array([_growth(light, bounds) for light in ordered]).reshape(-1, 1)
+    return LightSet(ordered, packed, (directional, spot, point, emitter, sky), views, owners, flux)
 
 
 def _grouped(views: list[View], owners: list[int]) -> list[list[View]]:
@@ -138,3 +143,12 @@ def _total_flux(light: Light, views: list[View]) -> np.ndarray:
     area = sum(4.0 * float(np.linalg.norm(v.right) * np.linalg.norm(v.up)) for v in views)
     # An emitter's lobe brings its flux to 4 pi * intensity as well.
     return np.asarray(light.intensity) * min(area, 4.0 * pi) * (1.0 + 1.0 / views[0].width)
+
+
+def _growth(light: Light, bounds: Bounds) -> float:
+    """Of a lamp without falloff, which shines on what is r metres away as one of r^2 times its intensity does: the
+    square of the distance to the farthest corner of the box. Emitters stand for surfaces, and keep theirs."""
+    if isinstance(light, EmitterLight) or not isinstance(light, PointLight | SpotLight):
+        return 1.0
+    low, high = (np.asarray(corner) - light.position for corner in bounds)
+    return float(np.square(np.maximum(np.abs(low), np.abs(high))).sum())

@@ -11,8 +11,9 @@ from ..gpu.passes import ComputePass
 from ..gpu.records import record_texture, records_out, word_texture, words_out
 from ..gpu_scene.gpu_scene import GpuScene
 from ..simulator.rsm import MIN_COSINE
-from .frame import COARSE_BLOCK, Frame, FrameSettings
+from .frame import Frame
 from .medium import MEDIUM, MediumBuffers
+from .settings import COARSE_BLOCK, FrameSettings
 from .shader_values import CONSTANTS, surface_values
 from .shadows import ShadowMapPass
 from .structs import LIGHT, RSM_SET, VIEW, VPL, lights_binding, views_binding
@@ -22,7 +23,7 @@ from .traits import TRAIT_VALUES
 class RSMPass:
     """Takes one texel of each block of the shadow maps and makes it a VPL that reflects what the whole block receives:
     flux = albedo * intensity * solid angle of the block (OLPV 3.3), or albedo * illuminance * its area across a
-    directional light. Its area is the surface that the block covers (simulator/rsm.py).
+    directional light, or one without falloff. Its area is the surface that the block covers (simulator/rsm.py).
 
     VPLs are made again only when maps were drawn since, or the light that they reflect or their traits are other.
 
@@ -37,16 +38,19 @@ class RSMPass:
         stride = settings.shadow_resolution // settings.rsm_resolution
         self._edges = (settings.rsm_resolution, settings.coarse_resolution // COARSE_BLOCK)
         self._scene, self._blocks = scene, (stride, COARSE_BLOCK)
-        self._variants: dict[tuple[int, bool | None], ComputePass] = {}
+        self._variants: dict[tuple[int, bool | None, bool], ComputePass] = {}
         self._sets = [device.uniform("RSM set", RSM_SET.array(1)) for _ in self._blocks]
 
-    def _variant(self, number: int, medium: MediumBuffers | None) -> ComputePass:
-        key = (number, medium.has_density if medium else None)
+    def _variant(self, number: int, frame: Frame) -> ComputePass:
+        medium, inverse_square = frame.medium, frame.settings.inverse_square
+        key = (number, medium.has_density if medium else None, inverse_square)
         if key not in self._variants:
-            self._variants[key] = self._made(self._edges[number], self._blocks[number], medium)
+            self._variants[key] = self._made(self._edges[number], self._blocks[number], medium, inverse_square)
         return self._variants[key]
 
-    def _made(self, resolution: int, stride: int, medium: MediumBuffers | None) -> ComputePass:
+    def _made(
+        self, resolution: int, stride: int, medium: MediumBuffers | None, inverse_square: bool
+    ) -> ComputePass:  # fmt: skip
         outputs = [records_out("vpls", VPL), *([words_out("surfaces")] if self._with_surfaces else [])]
         return ComputePass(
             self.device, "RSM", "frame/rsm.wgsl",
@@ -57,7 +61,7 @@ class RSMPass:
             ],
             structs=[VIEW, LIGHT, VPL, RSM_SET, *([MEDIUM] if medium else [])], shared=self._scene.bindings,
             shadows=False, surfaces=self._with_surfaces, resolution=resolution, stride=stride, min_cosine=MIN_COSINE,
-            **CONSTANTS, **TRAIT_VALUES, **surface_values(self._scene),
+            inverse_square=inverse_square, **CONSTANTS, **TRAIT_VALUES, **surface_values(self._scene),
             **(medium.values if medium else {"medium": False}),
         )  # fmt: skip
 
@@ -83,14 +87,14 @@ class RSMPass:
                 ))  # fmt: skip
                 if layers[number]:
                     edge = self._edges[number]
-                    self._variant(number, frame.medium).run(
+                    self._variant(number, frame).run(
                         stage, (edge, edge, layers[number]), frame.gpu_scene.resources, views=frame.buffers["views"],
                         lights=frame.buffers["lights"], maps=self._sets[number], shadow_ids=maps.ids, **others,
                     )  # fmt: skip
 
     def _are_kept(self, frame: Frame, shadow_maps: ShadowMapPass) -> bool:
         """Whether the VPLs are what would be made: all that they are made of is as it was."""
-        lights = (frame.lights.counts, frame.lights.packed.tobytes())
+        lights = (frame.lights.counts, frame.lights.packed.tobytes(), frame.settings.inverse_square)
         moving = frame.gpu_scene.is_moving.tobytes()  # one of the traits
         before, self._made_of = self._made_of, (shadow_maps.drawings, *lights, moving, frame.scene.medium, self._vpls)
         return before == self._made_of

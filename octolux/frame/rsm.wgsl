@@ -50,8 +50,12 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let secant = length(ray.direction);
     if view.perspective == 1u {
         let solid_angle = length(to_right.direction) * length(down.direction) / (secant * secant * secant);
-        received *= solid_angle;
         footprint = solid_angle * pow(hit.depth * secant, 2.0);
+        {% if inverse_square %}
+        received *= solid_angle;
+        {% else %}
+        received *= select(footprint, solid_angle, maps.emitters == 1u);
+        {% endif %}
         if maps.emitters == 1u {
             received *= emitter_lobe(light, normalize(ray.direction));
         } else if light.cone_slope > 0.0 {

@@ -35,10 +35,10 @@ class GpuScene:
         self._instances: tuple | None = None
         self.values: dict[str, Any] = {}
 
-    def sync(self, scene: Scene) -> None:
-        """Bring the device up to date with `scene`."""
+    def sync(self, scene: Scene, normal_maps: bool = True) -> None:
+        """Bring the device up to date with `scene`; without `normal_maps` as if no material had one."""
         before, self._instances = self._instances, None  # after a sync that fails half-way all counts as changed
-        materials_changed = self.materials.sync(scene.materials)
+        materials_changed = self.materials.sync(scene.materials, normal_maps)
         meshes_changed = self.geometry.sync(scene.meshes)
         if materials_changed or meshes_changed:
             values = {**self.materials.values, "vertex_colors": any(m.colors is not None for m in scene.meshes)}

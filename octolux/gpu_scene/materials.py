@@ -33,6 +33,7 @@ class MaterialTable:
     def __init__(self, device: Device):
         self.device = device
         self._materials: tuple[Material, ...] | None = None
+        self._slots: tuple[tuple[str, bool], ...] = _SLOTS
         self._images: tuple[tuple[Any, bool], ...] | None = None
         self.buffer: Any = None
         self.textures: TextureArrays
@@ -40,12 +41,14 @@ class MaterialTable:
         self.bucket = np.zeros(0, np.int64)
         self.glowing = np.zeros(0, bool)
 
-    def sync(self, materials: Sequence[Material]) -> bool:
-        """Upload the table if a material was replaced, textures if other images are used; returns whether any was."""
-        if self._materials is not None and _same(self._materials, materials):
+    def sync(self, materials: Sequence[Material], normal_maps: bool = True) -> bool:
+        """Upload the table if a material was replaced, textures if other images are used; returns whether any was.
+        Without `normal_maps` materials are as if they had none."""
+        slots = tuple((slot, srgb) for slot, srgb in _SLOTS if normal_maps or slot != "normal_texture")
+        if self._materials is not None and _same(self._materials, materials) and slots == self._slots:
             return False
-        self._materials = None  # until all of these are on the device
-        uses = [(t, srgb) for m in materials for slot, srgb in _SLOTS if (t := getattr(m, slot))]
+        self._materials, self._slots = None, slots  # until all of these are on the device
+        uses = [(t, srgb) for m in materials for slot, srgb in slots if (t := getattr(m, slot))]
         images = tuple((used.image, srgb) for used, srgb in uses)
         if self._images is None or not _same_images(self._images, images):
             self.textures, self._images = TextureArrays(self.device, uses), images
@@ -65,7 +68,7 @@ class MaterialTable:
                 row[name] = getattr(material, name)
             row["normal_scale"], row["alpha_mode"] = material.normal_scale, ALPHA_MODES[material.alpha_mode]
             row["unlit"], row["double_sided"] = material.unlit, material.double_sided
-            for slot, srgb in _SLOTS:
+            for slot, srgb in self._slots:
                 texture = getattr(material, slot)
                 row[slot] = self.textures.packed_reference(texture, srgb)
                 row[f"{slot}_u"], row[f"{slot}_v"] = _transform_rows(texture)
@@ -80,7 +83,7 @@ class MaterialTable:
             "srgb_edges": [edge for edge, srgb in classes if srgb],
             "linear_edges": [edge for edge, srgb in classes if not srgb],
             "log2_of": {edge: float(edge.bit_length() - 1) for edge, _ in classes},
-            "slots": {slot for m in materials for slot, _ in _SLOTS if getattr(m, slot)},
+            "slots": {slot for m in materials for slot, _ in self._slots if getattr(m, slot)},
             "wraps": any(t.wrap != ("repeat", "repeat") for t in used),
             "uv_transforms": any(t.transform != IDENTITY_UV for t in used),
             "emissive": any(max(m.emissive) > 0 or m.unlit for m in materials),

@@ -10,6 +10,7 @@ import numpy as np
 import OpenEXR
 
 from ..frame.frame import TracedPaths
+from ..frame.settings import FrameSettings
 from ..picture import Picture
 from .options import LAYERS, FileOptions, channel_names
 
@@ -56,18 +57,30 @@ def complete(path: Path, size: tuple[int, int], options: FileOptions) -> bool:
     return wanted <= channels.keys() and all(channels[name].pixels.shape == size[::-1] for name in wanted)
 
 
-def traced(path: Path, settings: dict[str, Any]) -> TracedPaths | None:
+def traced(path: Path, settings: dict[str, Any], shared: FrameSettings) -> TracedPaths | None:
     """The paths that are in a file which `write` made of a picture traced with such settings, to go on from; None where
-    there is no such file, or where its settings differ in more than how many paths are wanted."""
+    there is no such file, or where its settings differ in more than how many paths are wanted, or what paths depend on
+    of those that all techniques share."""
     if not path.is_file():
         return None
     try:
         file = OpenEXR.File(str(path), separate_channels=True)
         channels, header = file.channels(), file.header()
-        then = json.loads(header["settings"])
+        then, shared_then = json.loads(header["settings"]), shared_settings(header)
         layers = [np.stack([channels[name].pixels for name in channel_names(layer)], axis=-1) for layer in _TRACED]
     except (RuntimeError, OSError, ValueError, KeyError):
         return None
     if not header.get("paths") or any(then.get(key) != value for key, value in settings.items() if key not in _WANTED):
         return None
+    if any(shared_then[name] != value for name, value in shared.of_paths.items()):
+        return None
     return TracedPaths(int(header["paths"]), *layers)
+
+
+def shared_settings(header: dict[str, Any]) -> dict[str, Any]:
+    """The FrameSettings that a file's header tells of, and for what it does not, as in files of before there were
+    any, the defaults. Raises ValueError for a header of other contents."""
+    told = json.loads(header.get("frame_settings", "{}"))
+    if not isinstance(told, dict):
+        raise ValueError("frame_settings are no names with values")
+    return {**vars(FrameSettings()), **told}

@@ -4,7 +4,12 @@
 
 // Illuminance on a plane that faces the light (lux).
 fn directional_illuminance(light: Light) -> vec3f { return light.color; }
+// Of a point or spot light; without the inverse square what it brings at 1 m, at any distance.
+{% if inverse_square %}
 fn point_illuminance(light: Light, to_light: vec3f) -> vec3f { return light.color / dot(to_light, to_light); }
+{% else %}
+fn point_illuminance(light: Light, to_light: vec3f) -> vec3f { return light.color; }
+{% endif %}
 
 // What of an emitter's intensity goes to unit direction w (frame/emitters.py); cos_outer holds its beam.
 fn emitter_lobe(light: Light, w: vec3f) -> f32 {
@@ -31,7 +36,8 @@ fn cube_face(d: vec3f) -> u32 {
 }
 
 {% if shadows %}
-// Fraction of the light that reaches `position`: 2x2 percentage-closer filtering. Each of the four texels is compared with
+// Fraction of the light that reaches `position`: 2x2 percentage-closer filtering, or where shadow_filter is 1 what the nearest
+// of the four texels says. Each of the four is compared with
 // the depth that the receiver's own plane has at that texel's centre, so that the plane never shadows itself, however it
 // is slanted; depth is affine across the map for a perspective (near / depth) as well as an orthographic view. Where the
 // plane falls away from the light the receiver's own depth is kept: the plane may end there, as at the foot of a wall.
@@ -57,7 +63,7 @@ fn {{ name }}(view_index: u32, position: vec3f, normal: vec3f, footprint: f32) -
     }
     // At a map's rim the nearest texels it has, with the plane's depth there: a cube's faces meet without a seam.
     let low = clamp(floor(texel), vec2f(0.0), vec2f(view.size - 2.0));
-    let weight = saturate(texel - low);
+    let weight = {{ "round" if shadow_filter == 1 else "" }}(saturate(texel - low));
     let nearest = textureGather({{ maps }}, shadow_sampler, (low + 1.0) / view.size, view_index - {{ first_view }}u);
     let left_right = (low.x - texel.x + vec2f(0.0, 1.0)) * (slope.x * view.depth_scale);
     let up_down = (low.y - texel.y + vec2f(0.0, 1.0)) * (slope.y * view.depth_scale);

@@ -34,9 +34,12 @@ def spot_attenuation(light: SpotLight, to_light) -> np.ndarray:
     return np.square(np.clip((cosine - cos(light.outer_angle)) * slope, 0.0, 1.0))
 
 
-def incident(light: DirectionalLight | PointLight | SpotLight, positions) -> tuple[np.ndarray, np.ndarray]:
+def incident(
+    light: DirectionalLight | PointLight | SpotLight, positions, inverse_square: bool = True
+) -> tuple[np.ndarray, np.ndarray]:
     """Unit direction to the `light` (..., 3), and the illuminance (..., 3), lx, on a plane perpendicular to it, at
-    `positions` (..., 3). Point and spot lights: I / r^2, candela over square metres.
+    `positions` (..., 3). Point and spot lights: I / r^2, candela over square metres; without the inverse square what
+    they bring at 1 m, whatever r is.
 
     Raises ValueError for a light that has no single direction (area lights).
     """
@@ -47,19 +50,21 @@ def incident(light: DirectionalLight | PointLight | SpotLight, positions) -> tup
     if not isinstance(light, PointLight | SpotLight):
         raise ValueError(f"a {type(light).__name__} has no single direction; see area_light_irradiance")
     to_light, distance = _unit(np.asarray(light.position, dtype=np.float64) - positions)
-    illuminance = np.asarray(light.intensity, dtype=np.float64) / np.square(distance)
+    illuminance = np.asarray(light.intensity, dtype=np.float64) / np.square(distance if inverse_square else 1.0)
+    illuminance = np.broadcast_to(illuminance, positions.shape)
     if isinstance(light, SpotLight):
         illuminance = illuminance * spot_attenuation(light, to_light)[..., None]
     return to_light, illuminance
 
 
-def irradiance(light, positions, normals) -> np.ndarray:
-    """Irradiance (..., 3), lx, of any `light` at `positions` (..., 3) with unit `normals` (..., 3), without shadows."""
+def irradiance(light, positions, normals, inverse_square: bool = True) -> np.ndarray:
+    """Irradiance (..., 3), lx, of any `light` at `positions` (..., 3) with unit `normals` (..., 3), without shadows;
+    inverse_square: as in `incident`."""
     if isinstance(light, AreaLight):
         return area_light_irradiance(light, positions, normals)
     if isinstance(light, ParticleLights):
         return particles_irradiance(light, positions, normals)
-    to_light, illuminance = incident(light, positions)
+    to_light, illuminance = incident(light, positions, inverse_square)
     cosine = np.maximum(0.0, np.sum(np.asarray(normals, dtype=np.float64) * to_light, axis=-1, keepdims=True))
     return illuminance * cosine
 

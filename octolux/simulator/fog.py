@@ -71,10 +71,12 @@ def depth(medium: Medium, box: Box, origins, directions, distances, steps: int =
 
 
 def light_fluence(
-    light: DirectionalLight | PointLight | SpotLight, medium: Medium, box: Box, positions, steps: int = 64
-) -> np.ndarray:
-    """(..., 3), lx: what a light brings to points (..., 3) through the medium, past nothing else."""
-    to_light, illuminance = incident(light, positions)
+    light: DirectionalLight | PointLight | SpotLight, medium: Medium, box: Box, positions, steps: int = 64,
+    inverse_square: bool = True,
+) -> np.ndarray:  # fmt: skip
+    """(..., 3), lx: what a light brings to points (..., 3) through the medium, past nothing else; inverse_square: as in
+    direct.incident."""
+    to_light, illuminance = incident(light, positions, inverse_square)
     distances: np.ndarray | float = np.inf
     if not isinstance(light, DirectionalLight):
         distances = np.linalg.norm(np.asarray(light.position) - positions, axis=-1)
@@ -82,10 +84,14 @@ def light_fluence(
     return illuminance * np.exp(-medium.extinction * passed[..., None])
 
 
-def of_lights(lights: Sequence, medium: Medium, box: Box, steps: int = 64) -> Fluence:
-    """The fluence of all `lights`, for `single_scattering`; steps: through a density."""
+def of_lights(
+    lights: Sequence, medium: Medium, box: Box, steps: int = 64, inverse_square: bool = True
+) -> Fluence:  # fmt: skip
+    """The fluence of all `lights`, for `single_scattering`; steps: through a density; inverse_square: as in
+    direct.incident."""
     return lambda positions: sum(
-        (light_fluence(light, medium, box, positions, steps) for light in lights), start=np.zeros(positions.shape)
+        (light_fluence(light, medium, box, positions, steps, inverse_square) for light in lights),
+        start=np.zeros(positions.shape),
     )
 
 

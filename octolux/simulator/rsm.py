@@ -1,7 +1,9 @@
 """Reflective shadow maps: the faces of a cube map, the solid angle of a texel, and the flux of a VPL.
 
 A VPL reflects the light that arrives in its texel: for a point light intensity times the texel's solid angle,
-for a directional light illuminance times the texel's area; both times the diffuse albedo of the surface.
+for a directional light illuminance times the texel's area; both times the diffuse albedo of the surface. A light
+without falloff brings the same to each square metre across its rays: intensity * 1/m^2 times the area that the texel
+covers at the surface, solid angle * distance^2.
 """
 
 from __future__ import annotations
@@ -80,13 +82,15 @@ def texel_solid_angles_thesis(resolution: int, tan_half_fov: float = 1.0) -> np.
     return 4.0 * cosine**3 * tan_half_fov**2 / resolution**2
 
 
-def vpl_flux_point(albedo, intensity, solid_angle) -> np.ndarray:
+def vpl_flux_point(albedo, intensity, solid_angle, distance=1.0) -> np.ndarray:
     """Reflected flux (..., 3), W (lm), of texels lit by a point or spot light: albedo * I * Omega (Olovsson 2012, 3.3).
 
     albedo: (..., 3).  intensity: (..., 3) towards the texel, cd.  solid_angle: (...) of the texel, sr. The cosine at
-    the surface is in it already: a slanted surface fills the same solid angle with more area.
+    the surface is in it already: a slanted surface fills the same solid angle with more area.  distance: (...) of the
+    surface from a light without falloff, m.
     """
-    return np.asarray(albedo) * np.asarray(intensity) * np.asarray(solid_angle, dtype=np.float64)[..., None]
+    covered = np.asarray(solid_angle, dtype=np.float64) * np.square(distance)
+    return np.asarray(albedo) * np.asarray(intensity) * covered[..., None]
 
 
 def vpl_flux_directional(albedo, illuminance, texel_area: float) -> np.ndarray:

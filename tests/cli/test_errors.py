@@ -54,6 +54,7 @@ def check_refused(result, *words: str) -> None:
         (["cornell-box", "--camera", "back"], ["'back'", "'front'"]),
         (["cornell-box", "--camera", "1"], ["'1'", "'front'"]),
         (["cornell-box", "--rsm-resolution", "100"], ["100", "1024"]),
+        (["cornell-box", "--shadow-filter", "3"], ["shadow_filter", "1 or 2", "3"]),
         (["cornell-box", "--out", "missing/a.png"], ["missing/a.png", "mkdir"]),
         (["cornell-box", "--out", "a.bmp"], ["a.bmp", ".png or .exr or .npz or .mp4 or .webm or .gif"]),
         (["cornell-box", "--out", "a"], [".png or .exr"]),
@@ -69,7 +70,8 @@ def test_wrong_words(run, folder, words, says):
 
 @pytest.mark.parametrize(
     "words",
-    [[], ["cornell-box", "--fps", "0"], ["cornell-box", "--fps", "x"], ["cornell-box", "--sise", "4x4"]],
+    [[], ["cornell-box", "--fps", "0"], ["cornell-box", "--fps", "x"], ["cornell-box", "--sise", "4x4"],
+     ["cornell-box", "--normal-maps=no"], ["cornell-box", "--inverse-square=1"]],
     ids=" ".join,
 )
 def test_wrong_usage(run, folder, words):

@@ -7,6 +7,7 @@ import OpenEXR
 import pytest
 
 import octolux
+from octolux.frame.settings import FrameSettings
 from octolux.output import exr
 from octolux.output.options import FileOptions
 from octolux.sequence import Plan, Timeline, render_frames
@@ -63,9 +64,23 @@ def test_a_finished_file_is_left_alone(device, tmp_path):
 def test_paths_of_other_settings_are_not_mixed(device, tmp_path, change):
     path = tmp_path / "a.exr"
     make(renderer_of(device, 4), path, 4)
-    assert exr.traced(path, renderer_of(device, 64).technique.settings.as_dict()).count == 4
-    assert exr.traced(path, renderer_of(device, 64, **change).technique.settings.as_dict()) is None
-    assert exr.traced(tmp_path / "none.exr", {}) is None
+    assert exr.traced(path, renderer_of(device, 64).technique.settings.as_dict(), FrameSettings()).count == 4
+    assert exr.traced(path, renderer_of(device, 64, **change).technique.settings.as_dict(), FrameSettings()) is None
+    assert exr.traced(tmp_path / "none.exr", {}, FrameSettings()) is None
+
+
+def test_paths_of_other_light_are_not_mixed(device, tmp_path):
+    """Of what all techniques share only that counts which paths depend on; files of before tell nothing of it."""
+    path, settings = tmp_path / "a.exr", renderer_of(device, 4).technique.settings.as_dict()
+    make(renderer_of(device, 4), path, 4)
+    assert exr.traced(path, settings, FrameSettings(shadow_filter=1, sky_lights=3)).count == 4
+    for change in ({"normal_maps": False}, {"inverse_square": False}):
+        assert exr.traced(path, settings, FrameSettings(**change)) is None
+    file = OpenEXR.File(str(path), separate_channels=True)
+    del file.header()["frame_settings"]
+    file.write(str(path))
+    assert exr.traced(path, settings, FrameSettings()).count == 4
+    assert exr.traced(path, settings, FrameSettings(inverse_square=False)) is None
 
 
 def test_ctrl_c_ends_a_picture_with_what_is_there(device, tmp_path):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import stat
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -147,6 +148,28 @@ def test_baselines(render, folder):
             constant[f"indirect.{channel}"], constant[f"albedo.{channel}"] * (value / np.pi), rtol=1e-6
         )
         np.testing.assert_array_equal(constant[f"direct.{channel}"], none[f"direct.{channel}"])
+
+
+@pytest.mark.parametrize(
+    ("words", "settings"),
+    [
+        (("--no-normal-maps",), {"normal_maps": False}),
+        (("--shadow-filter", "1"), {"shadow_filter": 1}),
+        (("--no-inverse-square",), {"inverse_square": False}),
+        (("--normal-maps", "--shadow-filter", "2", "--inverse-square"), {}),
+    ],
+)
+def test_settings_that_all_techniques_share(render, folder, device, words, settings):
+    """The picture of a renderer that has them, and told of in the header."""
+    done = render("corridor", "--technique", "none", "--exposure", "8", *words, "--out", "a.exr")
+    assert done.code == 0, done.err
+    frame = replace(FRAME, **settings)
+    found = octolux.Renderer(octolux.load("corridor"), "none", size=SIZE, device=device, frame_settings=frame).render()
+    channels = exr_channels(folder / "a.exr")
+    for layer in ("normal", "direct"):
+        for c, name in enumerate(LAYERS[layer]):
+            np.testing.assert_array_equal(channels[f"{layer}.{name}"], found.layers[layer][..., c])
+    assert json.loads(OpenEXR.File(str(folder / "a.exr")).header()["frame_settings"]) == vars(frame)
 
 
 def test_exposure(render, folder, device):

@@ -48,6 +48,13 @@ def test_a_report_and_a_limit(run, tmp_path):
     assert code == 0
 
 
+def test_settings_that_all_techniques_share(run, tmp_path):
+    words = ("--no-normal-maps", "--shadow-filter", "1", "--no-inverse-square")
+    assert run("cornell-box", *SMALL, *RUN, *words)[0] == 0
+    settings = json.loads((tmp_path / "comparison" / "report.json").read_text())["frame_settings"]
+    assert (settings["normal_maps"], settings["shadow_filter"], settings["inverse_square"]) == (False, 1, False)
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [
@@ -59,6 +66,7 @@ def test_a_report_and_a_limit(run, tmp_path):
         (["cornell-box", "--reference", "good.npz", "--size", "32x24"], ["24x18", "32x24", "--size 24x18"]),
         (["cornell-box", "--reference", "good.npz", "--reference-samples", "4"], ["--reference-samples"]),
         (["cornell-box", "--size", "big"], ["--size"]),
+        (["cornell-box", "--shadow-filter", "0", "--reference", "none"], ["shadow_filter"]),
         (["cornell-box", "--size", "8x8", "--reference", "none"], ["11x11"]),
         (["cornell-box", "--fail-above", "flap=1"], ["'flip'"]),
         (["cornell-box", "--technique", "none", "--fail-above", "uniform-lpv:flip=1"], ["not compared"]),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import OpenEXR
 import pytest
@@ -12,6 +14,8 @@ import octolux
 from octolux.compare import compare
 from octolux.compare.reference_files import read_reference
 from octolux.data import data_folder
+from octolux.output import write_picture
+from octolux.output.options import FileOptions
 from octolux.scene.errors import OctoluxError
 
 WIDTH, HEIGHT = SIZE
@@ -151,6 +155,21 @@ def test_another_view_is_noticed(picture, tmp_path, device):
     settings = {"device": device, "frame_settings": small_settings(), "frames": 1}
     found = compare("two-rooms", ["none"], tmp_path / "a.exr", **settings)
     assert "other places" in found.facts["notes"][0]
+
+
+@pytest.mark.parametrize("told", [{"normal_maps": False, "shadow_filter": 1}, None], ids=str)
+def test_a_reference_of_other_light_is_noticed(picture, tmp_path, device, told):
+    """As its header says; a file that does not tell has all as it is by default."""
+    about = {"frame_settings": json.dumps(told)} if told else {}
+    write_picture(picture, tmp_path / "a.exr", FileOptions(metadata=about))
+    found = read_reference(tmp_path / "a.exr").facts
+    assert ("frame_settings" in found) == bool(told)
+    settings = {"device": device, "frame_settings": small_settings(inverse_square=False), "frames": 1}
+    notes = compare("cornell-box", ["none"], tmp_path / "a.exr", **settings).facts["notes"]
+    wanted = ["the reference is made with inverse_square=True, the techniques with False"]
+    if told:
+        wanted.insert(0, "the reference is made with normal_maps=False, the techniques with True")
+    assert [note for note in notes if "made with" in note] == wanted
 
 
 @pytest.mark.skipif(not (data_folder() / "ground-truth").is_dir(), reason="needs OCTOLUX_DATA")

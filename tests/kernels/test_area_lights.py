@@ -250,6 +250,6 @@ def test_scenes_without_area_lights_pay_nothing(lit):
     scene = lit_by([lamp()] if lit else [], quad(lamp(5.0).corners, material=1), materials=(WHITE, glow))
     emitters = emitter_lights(scene, 4)
     values = light_groups((1, 0, 0, len(emitters), 8), area_lights(emitters))
-    values |= {**AreaLightBuffers.values(), **CONSTANTS}
+    values |= {**AreaLightBuffers.values(), **CONSTANTS, "shadow_filter": 2, "inverse_square": True}
     text = compose("frame/direct.wgsl", shadows=True, medium=False, diffuse=False, workgroup="8, 8", **values).text
     assert ("ltc_table" in text) == ("area_lights" in text) == lit

@@ -211,7 +211,7 @@ class PathTracer(Technique):
             "sky": int(self._sky_power > 0), "particles": bool(self._particles.power),
             "paths": self.settings.paths, "bounces": self._bounces(),
             "diffuse_only": self.settings.materials == "diffuse", "centre": self.settings.pixel == "centre",
-            "transparent": frame.transparent,
+            "transparent": frame.transparent, "inverse_square": frame.settings.inverse_square,
         }  # fmt: skip
         made_for = (frame.gpu_scene.version, self.bvh.version)
         key = (*made_for, *values.values())

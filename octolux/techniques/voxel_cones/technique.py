@@ -89,7 +89,8 @@ class VoxelCones(Technique):
         new = self.parts.build(frame.profiler, frame.gpu_scene)
         scene, lights = frame.gpu_scene, frame.lights
         medium = frame.scene.medium  # which dims light on its way to what reflects it
-        light_of = (id(scene), scene.moves, medium, lights.packed.tobytes(), lights.total_flux.tobytes())
+        bring = (lights.packed.tobytes(), lights.total_flux.tobytes(), frame.settings.inverse_square)
+        light_of = (id(scene), scene.moves, medium, *bring)
         if not new and light_of == self._light_of:
             for octree in self.parts.octrees:
                 octree.filtering.nothing()
