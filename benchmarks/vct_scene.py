@@ -19,6 +19,7 @@ from octolux.scene.materials import Material
 from octolux.scene.meshes import Instance, Mesh
 from octolux.scene.scene import Scene
 from octolux.techniques.voxel_cones.cones.diffuse import DiffuseCones
+from octolux.techniques.voxel_cones.cones.sharing import USUAL_SIZE, sharing
 from octolux.techniques.voxel_cones.settings import VoxelConesSettings
 from octolux.techniques.voxel_cones.technique import VoxelCones
 
@@ -52,8 +53,8 @@ class Watched:
         """What the technique's diffuse cones gather in voxels now, (height, width, 3); `sky`: what is left sees it."""
         technique, s = self.technique, self.technique.settings
         cones = DiffuseCones(
-            technique.device, technique.voxels, replace(technique.wide, screen=0.0), resolution=s.resolution,
-            offset=s.offset, cover=s.cover, sky=sky,
+            technique.device, technique.voxels, replace(technique.wide, screen=0.0),
+            resolution=technique.sharing.resolution, offset=s.offset, cover=s.cover, sky=sky,
         )  # fmt: skip
         frame = self._frame()
         cones.prepare(frame.pixels)
@@ -78,12 +79,15 @@ class Watched:
 def watched(
     device: Device, scene: Scene, camera: Camera | str, words: str = "default", size: tuple[int, int] = SIZE
 ) -> Watched:
-    """One frame. words: preset and changed settings, PRESET[,KEY=VALUE...]; DEPTH and one bounce unless they say it."""
+    """One frame. words: preset and changed settings, PRESET[,KEY=VALUE...]; DEPTH and one bounce unless they say it.
+    Pixels share cones as they do at 1280x720."""
     preset, _, changes = words.partition(",")
     one = choice(f"voxel-cones:{preset},depth={DEPTH},bounces=1{',' + changes if changes else ''}")
+    assert isinstance(one.settings, VoxelConesSettings)
+    shared = sharing(one.settings.resolution, one.settings.tile, USUAL_SIZE)
     renderer = Renderer(
-        scene, one.technique, settings=one.settings, size=size, device=device, exposure=0.0, default_light=False,
-        frame_settings=MAPS,
+        scene, one.technique, settings=replace(one.settings, **shared._asdict()), size=size, device=device,
+        exposure=0.0, default_light=False, frame_settings=MAPS,
     )  # fmt: skip
     picture = renderer.render(camera)
     assert isinstance(renderer.technique, VoxelCones)

@@ -67,10 +67,11 @@ def test_a_plane_under_an_even_sky_seen_by_cones(device, preset, material):
 
 
 def test_no_sky_reaches_into_a_closed_box(device):
-    """Cones meet walls wherever they go; ambient visibility there is 0 within 0.05."""
+    """Cones meet walls wherever they go; ambient visibility there is 0 within 0.05, where pixels share cones: one that
+    lies within half a voxel of another wall, which no pixel beside it shows, has half of that wall behind its start."""
     room = box((-1, -1, -1), (1, 1, 1), inward=True)
     inside = Camera.look_at((0.0, 0.6, 0.9), (0.0, -0.6, -1.0), vertical_fov=1.2)
-    picture = under_sky(device, scene_of([room], [PAINT], environment=SKY), inside, sky=True)
+    picture = under_sky(device, scene_of([room], [PAINT], environment=SKY), inside, sky=True, resolution=2, tile=4)
     assert picture.mask.all() and picture.layers["irradiance"].max() <= 0.05 * pi * max(SKY.radiance)
 
 
@@ -128,3 +129,21 @@ def test_ambient_visibility_ends_at_a_distance(device):
     hidden = (np.arctan(1.0 / 0.9) - 0.9 / s * np.arctan(1.0 / s)) / pi
     assert abs(1.0 - hidden - seen[0.0]) < 0.05 and seen[0.3] == 1.0
     assert seen[0.0] <= seen[2.0] < 1.0 - 0.7 * hidden
+
+
+def test_small_pictures_share_less(device):
+    """All directions at each of these few pixels, as `resolution` and `tile` of 1 say; and again what pixels share in a
+    larger picture of the same technique."""
+    scene, camera = floor_and_walls(-0.4), from_above(2.0, 2.0)
+    found, finest, coarse = (
+        renderer(device, scene, **given).render(camera).layers["irradiance"]
+        for given in ({}, {"resolution": 1, "tile": 1}, {"resolution": 2, "tile": 4})
+    )
+    np.testing.assert_array_equal(found, finest)
+    assert not np.array_equal(found, coarse)
+    small, large = renderer(device, scene), renderer(device, scene, size=(644, 364))
+    small.render(camera)
+    large.technique = small.technique
+    whole = large.render(camera).layers["irradiance"]
+    given = renderer(device, scene, size=(644, 364), resolution=2, tile=4).render(camera)
+    np.testing.assert_array_equal(whole, given.layers["irradiance"])

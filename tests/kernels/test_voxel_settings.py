@@ -10,6 +10,7 @@ from voxel_tools import built, mesh_of, read
 from octolux.scene.materials import Image, Material, Texture
 from octolux.simulator.grid import Grid
 from octolux.techniques.settings import SettingsError
+from octolux.techniques.voxel_cones.cones.sharing import USUAL_SIZE, sharing
 from octolux.techniques.voxel_cones.settings import VoxelConesSettings
 from octolux.techniques.voxel_cones.voxels.structure import VoxelOctree
 
@@ -23,7 +24,7 @@ from octolux.techniques.voxel_cones.voxels.structure import VoxelOctree
         ({"texture_level": 5.0}, r"'texture_level' is -4.0 to 4.0 \(levels\), not 5.0"),
         ({"cones": 3}, r"'cones' is 4 to 16"),
         ({"bounces": 0}, r"'bounces' is 1 to 8"),
-        ({"resolution": 3}, "'resolution' is one of 1, 2, 4, not 3"),
+        ({"resolution": 3}, "'resolution' is one of 0, 1, 2, 4, not 3"),
         ({"box": "0 0 0 1 1"}, r"'box' is `scene`, or six numbers .* \(m\), not '0 0 0 1 1'"),
         ({"box": "0 0 0 1 0 1"}, "not '0 0 0 1 0 1'"),
         ({"box": "0 0 0 1 1 nan"}, "not '0 0 0 1 1 nan'"),
@@ -56,3 +57,20 @@ def test_the_mip_level_of_textures(device):
         bright, dark = albedo[off & (np.arange(16) % 2 == 0)], albedo[off & (np.arange(16) % 2 == 1)]
         # Samples lie aside by 2^-10 voxels; the mip level and the voxel have 8 bits of about the square root.
         np.testing.assert_allclose(bright.mean() - dark.mean(), contrast, atol=2 * 2.0**-10 + 2 / 255)
+
+
+@pytest.mark.parametrize(
+    ("pixels", "given", "expected"),
+    [
+        ((1280, 720), (0, 0), (2, 4)), ((3840, 2160), (0, 0), (2, 4)), ((640, 360), (0, 0), (1, 4)),
+        ((641, 360), (0, 0), (2, 4)), ((256, 144), (0, 0), (1, 2)), ((160, 90), (0, 0), (1, 1)),
+        ((1280, 720), (1, 0), (1, 4)), ((256, 144), (1, 0), (1, 1)), ((256, 144), (0, 4), (1, 4)),
+        ((256, 144), (4, 0), (4, 1)), ((256, 144), (2, 4), (2, 4)), ((1280, 720), (1, 1), (1, 1)),
+    ],
+)  # fmt: skip
+def test_what_pixels_share(pixels, given, expected):
+    """What is not said is as fine as cones allow that are no more than those of 1280 x 720, or the coarsest there is."""
+    found = sharing(*given, pixels)
+    assert found == expected
+    usual = sharing(*given, USUAL_SIZE)
+    assert found == usual or found.sets(pixels) <= usual.sets(USUAL_SIZE)

@@ -10,6 +10,7 @@ import numpy as np
 from ...simulator.voxels.cones import COVERS
 from ..settings import Form, Settings, setting
 from .bricks.representation import REPRESENTATIONS
+from .cones.sharing import AUTO
 
 
 def read_box(text: str) -> tuple[np.ndarray, np.ndarray] | None:
@@ -28,8 +29,9 @@ BOX = Form("`scene`, or six numbers with spaces between: the lowest corner's x y
 
 @dataclass(frozen=True)
 class VoxelConesSettings(Settings):
-    """The default traces many narrow cones at half resolution; `full` as many at all pixels; `finest` sixteen times as
-    many, for stills; `fast` fewer, wide ones at half resolution."""
+    """The default traces many narrow cones, at half resolution where a picture has as many pixels as 1280 x 720;
+    `full` four times as many; `finest` all directions at every pixel, for stills; `fast` fewer, wide ones, at half
+    resolution."""
 
     depth: int = setting(
         8, meaning="levels of the octree: 2^depth voxels along each side of the cube around the scene", unit="levels",
@@ -79,12 +81,15 @@ class VoxelConesSettings(Settings):
         unit="samples", allowed=[1, 8], cost="time is proportional; gaps let light through walls", source="VCT 5.6",
     )  # fmt: skip
     resolution: int = setting(
-        2, meaning="pixels along the edge of a block of which one gathers diffuse light", unit="pixels",
-        allowed=(1, 2, 4), cost="1: four times as long as 2; more blurs what is small", source="VCT 7.2, table 6.7",
+        AUTO, meaning="pixels along the edge of a block of which one gathers diffuse light; 0: 2, but 1 where the "
+        "picture then has no more cones than one of 1280 x 720 with 2", unit="pixels",
+        allowed=(AUTO, 1, 2, 4), cost="1: four times as long as 2; more blurs what is small",
+        source="VCT 7.2, table 6.7; cones/sharing.py",
     )  # fmt: skip
     tile: int = setting(
-        4, meaning="pixels along the edge of a tile whose pixels gather through other cones each, and share their mean",
-        unit="pixels", allowed=(1, 2, 4), cost="2: four times as long as 4, 1: sixteen; 4 blurs what is small",
+        AUTO, meaning="pixels along the edge of a tile whose pixels gather through other cones each, and share their "
+        "mean; 0: 4, but 2 or 1 where the picture then has no more cones than one of 1280 x 720 with 4", unit="pixels",
+        allowed=(AUTO, 1, 2, 4), cost="2: four times as long as 4, 1: sixteen; 4 blurs what is small",
         source="ours; simulator/voxels/directions.py",
     )  # fmt: skip
     screen: float = setting(
@@ -133,5 +138,5 @@ class VoxelConesSettings(Settings):
     PRESETS: ClassVar[dict[str, dict[str, Any]]] = {
         "full": {"resolution": 1},
         "finest": {"resolution": 1, "tile": 1, "width": 0.35, "samples": 8, "screen": 24.0},
-        "fast": {"cones": 8, "width": 0.7, "samples": 3},
+        "fast": {"resolution": 2, "tile": 4, "cones": 8, "width": 0.7, "samples": 3},
     }

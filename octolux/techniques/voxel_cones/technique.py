@@ -11,6 +11,7 @@ from ..technique import Technique
 from .bricks.reading import Reading
 from .cones.diffuse import DiffuseCones
 from .cones.gathering import Voxels
+from .cones.sharing import USUAL_SIZE, Sharing, sharing
 from .cones.specular import SpecularCones
 from .cones.wide import WideCones
 from .light.bounces import Bounces
@@ -41,16 +42,26 @@ class VoxelCones(Technique):
         """The last one, for debug views."""
         self.reading = reading = Reading(device, self.octree.bricks)
         self.voxels = Voxels(s.depth, reading.file, reading.bindings, reading.structs, reading.values, skips=True)
-        start: dict[str, Any] = {"offset": s.offset, "cover": s.cover, "sky": s.sky, "attenuation": s.attenuation}
+        self._start: dict[str, Any] = {
+            "offset": s.offset, "cover": s.cover, "sky": s.sky, "attenuation": s.attenuation,
+        }  # fmt: skip
         self.gathers_sky = s.sky
-        self.wide = WideCones(s.cones, s.samples, s.width, s.tile, s.screen, s.bounces)
-        self.diffuse = DiffuseCones(
-            device, self.voxels, self.wide, resolution=s.resolution, reach=s.ambient_distance, **start
-        )  # fmt: skip
+        self._share(sharing(s.resolution, s.tile, USUAL_SIZE))
         self.specular: SpecularCones | None = None
         if s.glossy:
-            self.specular = SpecularCones(device, self.voxels, step=s.step, resolution=s.glossy_resolution, **start)
+            self.specular = SpecularCones(
+                device, self.voxels, step=s.step, resolution=s.glossy_resolution, **self._start
+            )  # fmt: skip
         self._follow()
+
+    def _share(self, shared: Sharing) -> None:
+        """Diffuse cones that so many pixels share."""
+        s = self.settings
+        self.sharing = shared
+        self.wide = WideCones(s.cones, s.samples, s.width, shared.tile, s.screen, s.bounces)
+        self.diffuse = DiffuseCones(
+            self.device, self.voxels, self.wide, resolution=shared.resolution, reach=s.ambient_distance, **self._start
+        )  # fmt: skip
 
     def _follow(self) -> None:
         """Passes that write into the octrees that there are."""
@@ -76,6 +87,9 @@ class VoxelCones(Technique):
     def prepare(self, frame: Frame) -> None:
         if self.parts.prepare(frame.gpu_scene):
             self._follow()
+        shared = sharing(self.settings.resolution, self.settings.tile, frame.pixels)
+        if shared != self.sharing:
+            self._share(shared)
         self.diffuse.prepare(frame.pixels)
         frame.irradiance = self.diffuse.irradiance
         if self.wide.screen:

@@ -159,8 +159,8 @@ class VoxelViews:
         technique, frame = self._technique, self._frame
         s = technique.settings
         traced = PixelCones(
-            technique.device, technique.voxels, technique.wide, step=s.step, resolution=s.resolution, offset=s.offset,
-            cover=s.cover, glossy=s.glossy, attenuation=s.attenuation,
+            technique.device, technique.voxels, technique.wide, step=s.step, resolution=technique.sharing.resolution,
+            offset=s.offset, cover=s.cover, glossy=s.glossy, attenuation=s.attenuation,
         )  # fmt: skip
         at = pixel or (frame.pixels[0] // 2, frame.pixels[1] // 2)
         return traced.samples(frame, technique.octree.grid, at, **technique.reading.resources)
