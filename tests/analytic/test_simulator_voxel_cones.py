@@ -15,6 +15,7 @@ from octolux.simulator.voxels.cones import COVERS, Traced, diffuse_samples, gath
 from octolux.simulator.voxels.directions import PHASES, directions
 from octolux.simulator.voxels.facing import FacingVoxels
 from octolux.simulator.voxels.filtering import filtered
+from octolux.simulator.voxels.starts import cone_start
 
 DEPTH, N = 6, 64
 UP = np.array([[0.0, 1.0, 0.0]])
@@ -125,6 +126,20 @@ def test_an_open_floor_sees_all_of_the_sky(count):
 def test_no_sky_in_a_closed_box(count):
     _, visible = light(room(), on_floor(40), count=count)
     assert visible.max() <= 0.05
+
+
+@pytest.mark.parametrize("away", [0.01, 0.3, 0.7, 1.5])
+def test_cones_start_outside_of_other_walls(away):
+    """In a corner they start a voxel away from the wall beside, if the eye shows on which side it is, and no sky comes
+    through that; half of it is behind them else. In the open they start where they did."""
+    points, eye = on_floor(12, high=HIGH - 1.5), np.full((12, 3), 1.0 / np.sqrt(3.0))
+    points[:, 0] = LOW + 0.5 + away
+    moved = cone_start(room(), DEPTH, points, np.broadcast_to(UP, (12, 3)), eye, 1.0)
+    open_floor = np.add(points, [max(1.0 - away, 0.0), 1.0, 0.0])
+    np.testing.assert_allclose(moved, open_floor, atol=1e-9)
+    assert light(room(), points, to_eye=eye)[1].max() <= 0.05
+    if away < 0.1:
+        assert light(room(), points)[1].min() >= 0.15
 
 
 def test_few_wide_cones_see_past_the_edges_of_a_box():

@@ -99,7 +99,8 @@ def test_diffuse_as_the_simulator(device, count, per_level, width, cover):
     for i in range(PHASES):
         r = (rows[phase == i], columns[phase == i])
         light, visible = gather(
-            scene(), DEPTH, at.points[r], at.s.normals[r], at.s.geometric[r], phases=[i], cover=cover, **options,
+            scene(), DEPTH, at.points[r], at.s.normals[r], at.s.geometric[r], phases=[i], cover=cover,
+            to_eye=at.s.to_eye[r], **options,
         )  # fmt: skip
         assert np.abs(found[r][:, :3] - light).max() <= 4.0 * WEIGHT * pi * BRIGHTEST
         assert np.abs(found[r][:, 3] - visible).max() <= 4.0 * WEIGHT
@@ -118,7 +119,7 @@ def test_air_as_the_simulator(device):
         r = (rows[phase == i], columns[phase == i])
         light, visible = gather(
             scene(), DEPTH, at.points[r], at.s.normals[r], at.s.geometric[r], phases=[i], absorbed=absorbed,
-            air_reach=reach,
+            air_reach=reach, to_eye=at.s.to_eye[r],
         )  # fmt: skip
         assert np.abs(found[r][:, :3] - light).max() <= 4.0 * WEIGHT * pi * BRIGHTEST
         assert np.abs(found[r][:, 3] - visible).max() <= 4.0 * WEIGHT
@@ -175,7 +176,7 @@ def test_pixels_of_small_tiles_have_several_sets(device, tile):
         r = (np.array([row]), np.array([column]))
         light, visible = gather(
             scene(), DEPTH, at.points[r], at.s.normals[r], at.s.geometric[r], phases=phases_of(row, column, tile),
-            count=4,
+            count=4, to_eye=at.s.to_eye[r],
         )  # fmt: skip
         assert np.abs(found[r][:, :3] - light).max() <= 4.0 * WEIGHT * pi * BRIGHTEST
         assert np.abs(found[r][:, 3] - visible).max() <= 4.0 * WEIGHT

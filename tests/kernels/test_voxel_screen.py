@@ -51,6 +51,8 @@ def expected(room, wide: WideCones, pixels: np.ndarray, phases, **options) -> tu
     """Irradiance and visibility of pixels (m, 2) that have one phase, and which of them are sure."""
     at, seen, margin = tuple(pixels.T), room.seen, []
     points, geometric = seen.positions()[at], seen.geometric[at]
+    rays = seen.rays()[1]
+    to_eye = -rays / np.linalg.norm(rays, axis=-1, keepdims=True)
     highest = ceiling(room.frame.gpu_scene.culls) * room.grid.cell_size
 
     def shown(towards, shift) -> Shown:
@@ -62,7 +64,8 @@ def expected(room, wide: WideCones, pixels: np.ndarray, phases, **options) -> tu
 
     light, visible = gather(
         scene(), DEPTH, room.grid.to_cells(points), seen.normal[at], geometric, count=wide.count, phases=phases,
-        per_level=wide.per_level, width=wide.width, screen=shown, bounces=wide.bounces, **options,
+        per_level=wide.per_level, width=wide.width, screen=shown, bounces=wide.bounces,
+        to_eye=to_eye[at], **options,
     )  # fmt: skip
     return light, visible, (np.array(margin) > UNSURE).all(axis=(0, 2))
 

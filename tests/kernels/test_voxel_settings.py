@@ -69,7 +69,7 @@ def test_the_mip_level_of_textures(device):
     ],
 )  # fmt: skip
 def test_what_pixels_share(pixels, given, expected):
-    """What is not said is as fine as cones allow that are no more than those of 1280 x 720, or the coarsest there is."""
+    """What is not said is as fine as cones allow that are no more than those of 1280 x 720."""
     found = sharing(*given, pixels)
     assert found == expected
     usual = sharing(*given, USUAL_SIZE)

@@ -16,10 +16,11 @@ from octolux.frame.views import camera_view
 from octolux.gpu_scene.gpu_scene import GpuScene
 from octolux.scene.cameras import Camera
 from octolux.scene.errors import OctoluxError
-from octolux.simulator.voxels.cones import Plane, above, basis, diffuse_samples, trace
+from octolux.simulator.voxels.cones import above, basis, diffuse_samples, trace
 from octolux.simulator.voxels.directions import PHASES, directions
 from octolux.simulator.voxels.fragments import fragments
 from octolux.simulator.voxels.pyramid import facing_levels, intensity_levels
+from octolux.simulator.voxels.starts import Plane, cone_start
 from octolux.simulator.voxels.surfaces import DIRECTIONS
 from octolux.techniques.voxel_cones.cones.wide import WideCones
 from octolux.techniques.voxel_cones.views.contents import keys_of, level_voxels
@@ -141,8 +142,10 @@ def test_samples_of_a_pixels_cones(device):
                 noted.append((points[0], float(np.ravel(level)[0]), light[0], opacity[0]))
                 return light, opacity
 
+            to_eye = at.s.to_eye[row, column][None]
+            begin = cone_start(scene(), DEPTH, at.points[row, column][None], geometric, to_eye, 1.0)
             left = trace(
-                reading, at.points[row, column][None] + geometric, towards, diffuse_samples(6, DEPTH, 2, 0.5), N,
+                reading, begin, towards, diffuse_samples(6, DEPTH, 2, 0.5), N,
                 "surfaces", Plane(geometric, 1.0),
             ).left[0]  # fmt: skip
             of_cone = samples[samples["cone"] == cone]

@@ -11,9 +11,7 @@ and a wall one voxel thick lets nothing through wherever samples fall, as tents 
 each sample lets (1 - opacity)^step through. Of that wall's tents exp(-2) = 13 % pass then, the mean of log(1 - tent)
 over its width being -1: it is right for leaves and fog, whose layers do not know of each other.
 
-Distance from the own surface. What a thin surface faces on its other side would hide half of the hemisphere from a cone
-that leaves it: at every level grazing cones are lower above it than voxels are wide. Samples are therefore lifted to
-CLEAR voxels of their level above the plane that their cone starts on, where they read nothing of it.
+Starts, and distance from the own surface: starts.py.
 
 Air. Where it takes a share `absorbed` of light for each voxel of its way, exp(-absorbed t) of what a sample at t finds
 arrives (Beer and Lambert). It is not what hides: opacity stays.
@@ -36,16 +34,12 @@ from ..brdf import alpha_of
 from ..reflection import CONE, reflected_direction
 from .directions import PHASES, directions, half_angle
 from .screen import CLEAR, Shown, again, jitter
+from .starts import Plane, Read, cone_start, lifted
 
 SIZE = sqrt(3.0 / 8.0)
 LEFT = 2.0**-9
 """Share of a ray that is no longer followed: half a step of an 8-bit picture."""
 COVERS = ("surfaces", "medium")
-
-Read = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
-"""Of points (m, 3), in voxels of level 0, levels (m,) and unit directions (m, 3): radiance times opacity (m, k), and
-opacity (m,), on a way as long as an edge of the level's voxels."""
-
 
 class Sample(NamedTuple):
     """A sample of a cone: where, in voxels of level 0 from its start; on which level; and the length of the way for
@@ -110,22 +104,6 @@ def _covered(traced: Traced, found: tuple[np.ndarray, np.ndarray], step, cover: 
                   traced.open - within * share)  # fmt: skip
 
 
-class Plane(NamedTuple):
-    """Of the surfaces that cones start on: unit normals (m, 3), and how far above it that is, voxels of level 0."""
-
-    normals: np.ndarray
-    height: float
-
-
-def _lifted(points, plane: Plane | None, travelled, towards, size, n: int) -> np.ndarray:
-    """Points (m, 3) that are CLEAR voxels of an edge of `size` above the plane, or as high as they are."""
-    if plane is None:
-        return points
-    height = plane.height + travelled * np.sum(towards * plane.normals, axis=-1)
-    lack = np.maximum(CLEAR * size * np.abs(plane.normals).sum(axis=-1) - height, 0.0)
-    return np.clip(points + lack[:, None] * plane.normals, 0.0, n)
-
-
 def trace(
     read: Read, start, towards, samples: Sequence[Sample], n: int, cover: str = "surfaces", plane: Plane | None = None,
     absorbed: float = 0.0, air_reach: float = inf, free: Any = 0.0,
@@ -142,7 +120,7 @@ def trace(
         travelled = np.minimum(sample.distance, reach)
         level = np.where(leaves, float(before.level), float(sample.level))
         points = _along(start, towards, travelled, n)
-        light, opacity = read(_lifted(points, plane, travelled, towards, 2.0**level, n), level, towards)
+        light, opacity = read(lifted(points, plane, travelled, towards, 2.0**level, n), level, towards)
         found = light * np.exp(-absorbed * travelled)[:, None], opacity
         traced = traced or Traced(np.zeros_like(light), np.ones(len(start)), np.ones(len(start)))
         step = np.where(leaves, np.maximum(reach - before.distance, 0.0) / 2.0**before.level, sample.step)
@@ -184,6 +162,7 @@ def gather(
     read: Read, depth: int, points, normals, geometric=None, *, count: int = 8, phases: Sequence[int] = range(PHASES),
     per_level: int = 2, width: float = 1.0, offset: float = 1.0, cover: str = "surfaces", sky: Callable | None = None,
     absorbed: float = 0.0, air_reach: float = inf, screen: Callable[..., Shown] | None = None, bounces: int = 1,
+    to_eye=None,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Irradiance (m, k), radiance's unit times sr, and ambient visibility (m,) at points (m, 3) in voxels.
 
@@ -191,11 +170,11 @@ def gather(
     taken.  per_level, width: as in `first_level_samples`, `near_samples`.  offset: voxels along the surface's normal
     from which cones start.  sky: radiance (m, k) of unit directions (m, 3), of what is left of cones.  absorbed,
     air_reach: as in `trace`; what meets nothing within the latter is visible.  screen: of unit directions (m, 3) and
-    `screen.jitter`, what the picture shows on them; its light is reflected `bounces` times.
+    `screen.jitter`, what the picture shows on them; its light is reflected `bounces` times.  to_eye: of `cone_start`.
     """
     normals = np.asarray(normals, dtype=np.float64)
     geometric = normals if geometric is None else np.asarray(geometric, dtype=np.float64)
-    start = np.asarray(points, dtype=np.float64) + offset * geometric
+    start = cone_start(read, depth, points, geometric, to_eye, offset)
     frames, samples = basis(normals), diffuse_samples(count, depth, per_level, width)
     nothing = Shown(np.zeros(len(start), bool), np.zeros(len(start)), np.zeros(1), np.zeros(1))
     visible, each = np.zeros(len(start)), 1.0 / (count * len(phases))
@@ -225,7 +204,7 @@ def specular_light(
     GGX lobe, over the distance. Samples are adjacent (VCT 5.6), `step` voxels of their level apart.
     """
     towards = reflected_direction(to_eye, normals, geometric, roughness)
-    start = np.asarray(points, dtype=np.float64) + offset * np.asarray(geometric, dtype=np.float64)
+    start = cone_start(read, depth, points, geometric, to_eye, offset)
     plane = Plane(np.asarray(geometric, dtype=np.float64), offset)
     widening = CONE * np.broadcast_to(alpha_of(roughness), len(start))
     reach, travelled, traced = way_out(start, towards, 2**depth), np.zeros(len(start)), None
@@ -235,7 +214,7 @@ def specular_light(
         size = 2.0**level
         at = np.minimum(travelled + 0.5 * step * size, reach)
         points = _along(start, towards, at, 2**depth)
-        light, opacity = read(_lifted(points, plane, at, towards, size, 2**depth), level, towards)
+        light, opacity = read(lifted(points, plane, at, towards, size, 2**depth), level, towards)
         found = light * np.exp(-absorbed * at)[:, None], opacity
         traced = traced or Traced(np.zeros_like(light), np.ones(len(start)), np.ones(len(start)))
         going = (travelled < reach) & (traced.left > LEFT)

@@ -11,6 +11,20 @@ fn source_pixel(at: vec2u) -> vec2u {
     return min({{ resolution }}u * at + {{ resolution // 2 }}u, textureDimensions(depth_map) - 1u);
 }
 
+// Off its surface, and out of the tents of others (simulator/voxels/starts.py, `cone_start`).
+fn cone_start(place: vec3f, geometric: vec3f, to_eye: vec3f) -> vec3f {
+    let start = place + {{ offset }} * geometric;
+    let clear = lifted(start, geometric, {{ offset }}, 1.0);
+    let away = -sign(to_eye);
+    let hidden = vec3f(
+        {% for way in ("away.x, 0.0, 0.0", "0.0, away.y, 0.0", "0.0, 0.0, away.z") %}
+        sample_voxels(clear, 0u, vec3f({{ way }})).a,
+        {% endfor %}
+    );
+    let aside = -away * min(hidden, vec3f(1.0));
+    return start + aside - dot(aside, geometric) * geometric;
+}
+
 fn seen_voxel(at: vec2u) -> SeenVoxel {
     let pixel = source_pixel(at);
     let depth = textureLoad(depth_map, pixel, 0).x;
@@ -21,7 +35,7 @@ fn seen_voxel(at: vec2u) -> SeenVoxel {
     let place = (ray.origin + depth * ray.direction - voxels_of.origin) / voxels_of.size;
     let inside = all(place >= vec3f(0.0)) && all(place <= vec3f(EDGE));
     return SeenVoxel(
-        pixel, place, place + {{ offset }} * geometric, surface.normal, geometric, to_eye, depth, depth > 0.0 && inside, surface,
+        pixel, place, cone_start(place, geometric, to_eye), surface.normal, geometric, to_eye, depth, depth > 0.0 && inside, surface,
     );
 }
 
