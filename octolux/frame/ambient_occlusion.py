@@ -12,6 +12,7 @@ from ..gpu.device import Device
 from ..gpu.layout import Struct
 from ..gpu.passes import ComputePass
 from ..scene.errors import OctoluxError
+from ..simulator.blending import RATIO
 from ..simulator.gtao import BEYOND, FALLOFF, GOLDEN, LEAST_WEIGHT
 from .frame import COPY, STORAGE, TEXTURE, Frame
 from .structs import VIEW, views_binding
@@ -29,9 +30,10 @@ class AmbientOcclusion:
     share of the radius over which a blocker's weight falls to 0, which it has at the radius.  filtered: turn the slices
     differently in the pixels of 4 x 4 tiles and take the mean of a window as large; else all pixels are alike and
     resolution is 1.
-    radius_file: WGSL from the package's folder with `fn ao_radius(position: vec3f) -> f32`, metres at a point of a
-    surface in world space; it may read `bindings` (of which one may be a storage texture), whose structs are
-    `structs`, and `values`. Without it the radius is one length, which `run` is given.
+    radius_file: WGSL from the package's folder with `fn ao_radii(position: vec3f, normal: vec3f) -> Radii` (gtao.wgsl):
+    metres at a point of a surface in world space, with its geometric normal. It may read `bindings` (of which one may
+    be a storage texture), whose structs are `structs`, and `values`. Without it the radius is one length, which `run`
+    is given.
     Raises OctoluxError for numbers out of range.
     """
 
@@ -50,7 +52,7 @@ class AmbientOcclusion:
             [*surfaces, *own, *bindings, storage_texture("visibility_out", "rg32float" if filtered else "r32float")],
             structs=[VIEW, *structs, *([] if radius_file else [AO_EXTENT])], pi=pi, golden=GOLDEN, beyond=BEYOND,
             slices=slices, steps=steps, falloff=float(falloff), resolution=resolution, filtered=filtered,
-            radius_file=radius_file or "frame/gtao_radius.wgsl", **values,
+            blend_ratio=RATIO, radius_file=radius_file or "frame/gtao_radius.wgsl", **values,
         )  # fmt: skip
         self._filter: ComputePass | None = None
         if filtered:

@@ -3,6 +3,10 @@
 {{ use("shaders/view.wgsl") }}
 {{ use("shaders/gbuffer.wgsl") }}
 {{ use("frame/gtao_noise.wgsl") }}
+{{ use("shaders/blending.wgsl") }}
+
+// How far is looked: within the near radius, which gives way to the far one by its share (simulator/blending.py).
+struct Radii { near: f32, far: f32, share: f32 }
 {{ use(radius_file) }}
 
 // From the sight line to `horizon`: the integral of cos(t - normal) sin(t).
@@ -25,7 +29,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let normal = select(geometric, s.normal, dot(s.normal, eye) > 0.0);
     let to_right = view.origin_dx + depth * view.direction_dx; // metres, for a pixel at this depth
     let down = view.origin_dy + depth * view.direction_dy;
-    let radius = ao_radius(position);
+    let radii = ao_radii(position, geometric);
     {% if filtered %}
     let noise = tile_noise(id.xy);
     {% else %}
@@ -33,62 +37,73 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     {% endif %}
     let across = normalize(to_right - eye * dot(to_right, eye));
     let up = cross(eye, across);
-    var whole = 0.0;
-    var open = 0.0;
-    {% for slice in range(slices) %}
-    {
-        let turn = ({{ slice }}.0 + noise.x) * {{ pi / slices }};
-        let u = cos(turn) * across + sin(turn) * up;
-        let side = cross(eye, u); // normal of the slice
-        let crossing = vec2f(dot(down, side), -dot(to_right, side)); // pixels move along it within the slice
-        let unsigned_step = normalize(crossing);
-        let metres = dot(to_right * unsigned_step.x + down * unsigned_step.y, u);
-        let pixel_step = select(-unsigned_step, unsigned_step, metres > 0.0);
-        let reach = radius * (1.0 - {{ falloff }} * fract(noise.z + {{ slice / slices }}));
-        let pixels = reach / abs(metres);
-        let g = vec2f(dot(geometric, u), dot(geometric, eye));
-        let n = vec2f(dot(normal, u), dot(normal, eye));
-        let g_angle = atan2(g.x, g.y); // of the geometric normal from the sight line, towards u
-        let n_angle = atan2(n.x, n.y);
-        let weight = max(length(n), 1e-6);
-        {% for sign in (1, -1) %}
+    // Of a single radius that changes, whole pixels would come and go.
+    var seen = 1.0;
+    var radius = radii.near;
+    var is_far = false;
+    loop {
+        var whole = 0.0;
+        var open = 0.0;
+        {% for slice in range(slices) %}
         {
-            let limit = {{ pi / 2 }} + min({{ sign }}.0 * g_angle, {{ sign }}.0 * n_angle);
-            let start = fract(noise.y + {{ (2 * slice + loop.index0) * golden % 1 }});
-            var highest = cos(limit);
-            var last = vec3f(0.0); // the sample before: across and along the sight line (scaled alike), distance
-            {% for step in range(steps) %}
+            let turn = ({{ slice }}.0 + noise.x) * {{ pi / slices }};
+            let u = cos(turn) * across + sin(turn) * up;
+            let side = cross(eye, u); // normal of the slice
+            let crossing = vec2f(dot(down, side), -dot(to_right, side)); // pixels move along it within the slice
+            let unsigned_step = normalize(crossing);
+            let metres = dot(to_right * unsigned_step.x + down * unsigned_step.y, u);
+            let pixel_step = select(-unsigned_step, unsigned_step, metres > 0.0);
+            let reach = radius * (1.0 - {{ falloff }} * fract(noise.z + {{ slice / slices }}));
+            let pixels = reach / abs(metres);
+            let g = vec2f(dot(geometric, u), dot(geometric, eye));
+            let n = vec2f(dot(normal, u), dot(normal, eye));
+            let g_angle = atan2(g.x, g.y); // of the geometric normal from the sight line, towards u
+            let n_angle = atan2(n.x, n.y);
+            let weight = max(length(n), 1e-6);
+            {% for sign in (1, -1) %}
             {
-                let t = ({{ step }}.0 + start) * {{ 1 / steps }};
-                let away = {{ sign }}.0 * max(pixels * t, 1.0) * pixel_step;
-                let at = vec2i(floor(vec2f(pixel) + 0.5 + away));
-                let there = textureLoad(depth_map, at).x;
-                let moved = vec2f(at) - vec2f(pixel);
-                let d = (there - depth) * ray.direction
-                    + moved.x * (view.origin_dx + there * view.direction_dx)
-                    + moved.y * (view.origin_dy + there * view.direction_dy);
-                // Moved into the slice along the tangent plane, above which its height stays, and abreast of where it is.
-                let aside = dot(d, u);
-                let place = vec2f(aside * g.y, dot(d, geometric) - aside * g.x);
-                let distance = select(1e30, length(d), there > 0.0 && all(vec2u(at) < size));
-                let within = distance < reach;
-                let cosine = place.y * inverseSqrt(dot(place, place));
-                highest = select(highest, max(highest, cosine), within);
-                // Straight from the sample before to one a little beyond the radius: cut at the radius.
-                let leaves = last.z < reach && !within && distance < {{ 1 + beyond / steps }} * reach;
-                let share = (reach - last.z) / (distance - last.z);
-                let cut = mix(last.xy, place, share);
-                highest = select(highest, max(highest, cut.y * inverseSqrt(dot(cut, cut))), leaves);
-                last = vec3f(place, distance);
+                let limit = {{ pi / 2 }} + min({{ sign }}.0 * g_angle, {{ sign }}.0 * n_angle);
+                let start = fract(noise.y + {{ (2 * slice + loop.index0) * golden % 1 }});
+                var highest = cos(limit);
+                var last = vec3f(0.0); // the sample before: across and along the sight line (scaled alike), distance
+                {% for step in range(steps) %}
+                {
+                    let t = ({{ step }}.0 + start) * {{ 1 / steps }};
+                    let away = {{ sign }}.0 * max(pixels * t, 1.0) * pixel_step;
+                    let at = vec2i(floor(vec2f(pixel) + 0.5 + away));
+                    let there = textureLoad(depth_map, at).x;
+                    let moved = vec2f(at) - vec2f(pixel);
+                    let d = (there - depth) * ray.direction
+                        + moved.x * (view.origin_dx + there * view.direction_dx)
+                        + moved.y * (view.origin_dy + there * view.direction_dy);
+                    // Moved into the slice along the tangent plane, above which its height stays, and abreast of where it is.
+                    let aside = dot(d, u);
+                    let place = vec2f(aside * g.y, dot(d, geometric) - aside * g.x);
+                    let distance = select(1e30, length(d), there > 0.0 && all(vec2u(at) < size));
+                    let within = distance < reach;
+                    let cosine = place.y * inverseSqrt(dot(place, place));
+                    highest = select(highest, max(highest, cosine), within);
+                    // Straight from the sample before to one a little beyond the radius: cut at the radius.
+                    let leaves = last.z < reach && !within && distance < {{ 1 + beyond / steps }} * reach;
+                    let share = (reach - last.z) / (distance - last.z);
+                    let cut = mix(last.xy, place, share);
+                    highest = select(highest, max(highest, cut.y * inverseSqrt(dot(cut, cut))), leaves);
+                    last = vec3f(place, distance);
+                }
+                {% endfor %}
+                whole += weight * arc(limit, {{ sign }}.0 * n_angle);
+                open += weight * arc(min(limit, acos(min(highest, 1.0))), {{ sign }}.0 * n_angle);
             }
             {% endfor %}
-            whole += weight * arc(limit, {{ sign }}.0 * n_angle);
-            open += weight * arc(min(limit, acos(min(highest, 1.0))), {{ sign }}.0 * n_angle);
         }
         {% endfor %}
+        let found = select(1.0, saturate(open / whole), depth > 0.0 && whole > 0.0);
+        seen = select(found, mix(found, seen, moved_share(seen, found, radii.share)), is_far);
+        let done = is_far || radii.share == 1.0 || depth <= 0.0;
+        radius = radii.far;
+        is_far = true;
+        continuing { break if done; }
     }
-    {% endfor %}
-    let seen = select(1.0, saturate(open / whole), depth > 0.0 && whole > 0.0);
     {% if filtered %}
     textureStore(visibility_out, id.xy, vec4f(seen, depth, 0.0, 0.0));
     {% else %}

@@ -24,6 +24,9 @@ which must not reach in.
 slice of each pixel takes one of them. (Lowering a sample's horizon with its distance, as is usual, is not this
 integral: it shortens the radius.)
 
+**Two radii.** Where the radius is to change from place to place, visibility within one gives way to that within
+another (blending.py): within a radius between both other pixels would be found wherever it changes, and it would jump.
+
 **Planes.** A pixel's centre d lies up to half a pixel beside the slice, which is spanned by v and u. It is moved into
 it along the tangent plane and across u, so that it keeps its height d.g over that plane and its place d.u: then it
 lies at d.u along u and (d.g - d.u g.u) / g.v along v, and planes do not shadow themselves. g is the geometric normal,

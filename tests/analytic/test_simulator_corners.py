@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from octolux.simulator.lpv.corners import CORNERS, LEAST, corner_cells, corner_weights, read_corners
+from octolux.simulator.lpv.corners import CORNERS, LEAST, UNSURE, corner_cells, corner_weights, read_corners
 from octolux.simulator.lpv.geometry import Planes
 
 N = 8
@@ -57,6 +57,20 @@ def test_a_wall_between_two_corners(axis):
             np.testing.assert_allclose(along(axis, at, walls((axis, wall, share))), np.array(expected) / sum(expected))
     for wall in (4.3, 4.5, 4.9, 5.7, 6.1):
         np.testing.assert_allclose(along(axis, 4.9, walls((axis, wall, 1.0))), [0.6, 0.4])
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_places_beside_a_wall_are_on_either_side(axis):
+    """At the wall both sides count alike, by their trilinear weights, and from UNSURE on its own alone. Between, what
+    passes to either changes by 1 over twice UNSURE, and the larger weight moves the mean by 3 times as much at most."""
+    planes = walls((axis, 4.75, 1.0))
+    np.testing.assert_allclose(along(axis, 4.75, planes), [0.75, 0.25])
+    np.testing.assert_allclose(along(axis, 4.75 - 1.01 * UNSURE, planes), [1.0, 0.0])
+    np.testing.assert_allclose(along(axis, 4.75 + 1.01 * UNSURE, planes), [0.0, 1.0])
+    places = np.linspace(4.75 - 2.0 * UNSURE, 4.75 + 2.0 * UNSURE, 401)
+    upper = np.array([along(axis, at, planes)[1] for at in places])
+    assert np.all(np.diff(upper) >= -1e-12)
+    assert np.diff(upper).max() < 3.0 * (1.0 + 1e-9) * 0.5 / UNSURE * (places[1] - places[0])
 
 
 def test_a_wall_cut_by_a_face_blocks_once():

@@ -155,7 +155,7 @@ def test_every_window_gathers(device, density):
 
 
 def test_lookup_blends_windows(device):
-    """Each window's cells hold a number of their own on all faces: what is read is their mean by the windows'
+    """Each window's cells hold a number of their own on all faces: what is read lies between them by the windows'
     weights."""
     made, g = Gathering(device, LEVELS, occlusion=False, lookup_offset=0.5, everywhere=True), gbuffer(device)
     placed = cascades.place_windows(N, COUNT, VOLUME, g.points[g.inside][44], [0.0, 0.0, 0.0])
@@ -175,7 +175,10 @@ def test_lookup_blends_windows(device):
     read = device.read_texture(irradiance, np.float32, 4)[..., 0][g.inside]
     places = np.array([grid.to_cells(g.points[g.inside]) + 0.5 * g.geometric[g.inside] for grid in places_of])
     shares = cascades.weights(places, placed, N)
-    # Cell sizes' squares are rounded to half floats, places to 1e-4 cells, over a transition of two cells.
-    expected = shares.T @ [1.0, 3.0, 7.0]
-    np.testing.assert_allclose(read, expected, rtol=HALF_FLOAT + 1e-5, atol=4.0 * 1e-4 / cascades.transition(N))
+    # Cell sizes' squares are rounded to half floats, places to 1e-4 cells, over a transition of two cells, and what is
+    # read changes by no more than the logarithm of 3 times itself.
+    expected = cascades.blended(np.broadcast_to([[[1.0]], [[3.0]], [[7.0]]], (3, len(read), 3)), shares)[:, 0]
+    np.testing.assert_allclose(np.log(expected), shares.T @ np.log([1.0, 3.0, 7.0]), atol=1e-12)
+    bound = 7.0 * np.log(3.0) * 1e-4 / cascades.transition(N)
+    np.testing.assert_allclose(read, expected, rtol=HALF_FLOAT + 1e-5, atol=bound)
     assert all(np.any((s > 0) & (s < 1)) for s in shares[:2])

@@ -12,6 +12,7 @@ from gpu_tools import one_stage, read_buffer
 from test_cascades import COUNT, LEVELS, VOLUME, N
 from test_lookup import gbuffer
 
+from octolux.simulator.blending import moved_share
 from octolux.simulator.lpv import cascades, corners, gathering, geometry
 from octolux.techniques.lpv.constants import pack_grids
 from octolux.techniques.lpv.gathering.gathering import Gathering
@@ -19,6 +20,7 @@ from octolux.techniques.lpv.windows import pack_windows
 
 PLACE = 1e-4  # cells by which a place may be off
 WEIGHT = 3.0 * PLACE  # a corner's weight then is: that of each axis, times two that are at most 1
+PASSED = WEIGHT * 0.5 / corners.UNSURE  # and what passes its planes is, if they lie next to the place
 
 
 @cache
@@ -52,18 +54,19 @@ def walled() -> SimpleNamespace:
     return SimpleNamespace(planes=[geometry.unpack_planes(w) for w in words], packed=packed)
 
 
-def sure(place: np.ndarray, planes: geometry.Planes | None) -> tuple[np.ndarray, np.ndarray]:
-    """Of places (M, 3): where rounding them decides nothing (M,), neither which cells are around, nor which planes lie
-    between, nor whether any corner is left; and what the weights' sum is (M,), before it is made 1."""
+def sure(place: np.ndarray, planes: geometry.Planes | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Of places (M, 3): where rounding them decides nothing (M,), neither which cells are around nor whether any corner
+    is left; what the weights' sum is (M,), before it is made 1; and how far each of them may be off (M,)."""
     first, weights = corners.corner_weights(place)
     steady = np.abs(place - 0.5 - np.rint(place - 0.5)).min(axis=-1) > PLACE
     if planes is None:
-        return steady, np.ones(len(place))
+        return steady, np.ones(len(place)), np.full(len(place), WEIGHT)
     x, y, z = np.moveaxis(corners.corner_cells(first, N), -1, 0)
-    at, offsets = (place - first)[:, None], corners.CORNERS + planes.offsets[z, y, x]
-    steady &= np.all((np.abs(at - offsets) > 2.0 * PLACE) | (planes.shares[z, y, x] == 0.0), axis=(1, 2))
-    whole = (weights * corners._passed(place - first, planes.shares[z, y, x], planes.offsets[z, y, x])).sum(axis=-1)
-    return steady & ((whole == 0.0) | (whole > corners.LEAST + 8.0 * WEIGHT)), whole
+    at, shares, offsets = place - first, planes.shares[z, y, x], planes.offsets[z, y, x]
+    near = np.abs(at[:, None] - corners.CORNERS - offsets) < corners.UNSURE + 2.0 * PLACE
+    off = WEIGHT + PASSED * np.any(near & (shares > 0.0), axis=(1, 2))
+    whole = (weights * corners._passed(at, shares, offsets)).sum(axis=-1)
+    return steady & ((whole == 0.0) | (whole > corners.LEAST + 8.0 * off)), whole, off
 
 
 def written(device, gathering: Gathering, cube: np.ndarray) -> None:
@@ -75,16 +78,34 @@ def written(device, gathering: Gathering, cube: np.ndarray) -> None:
     gathering.cube = texture
 
 
-def expected_in(s: SimpleNamespace, number: int, cells, planes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """What a window adds to the pixels (M, 3), how far the device may be off, and where (M,) rounding decides nothing.
+def read_in(s: SimpleNamespace, number: int, cells, planes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What a window has at the pixels (M, 3), how far the device may be off, and where (M,) rounding decides nothing.
     A corner differs from the mean of all by 1.5 at most, and counts with that as its weight is off."""
-    place, share = s.places[number], s.shares[number][:, None]
-    read = share * gathering.read_cube(corners.read_corners(cells, place, planes), s.normals) / s.sizes[number] ** 2
-    steady, whole = sure(place, planes)
+    place = s.places[number]
+    read = gathering.read_cube(corners.read_corners(cells, place, planes), s.normals) / s.sizes[number] ** 2
+    steady, whole, off = sure(place, planes)
     of_all = np.where(whole > corners.LEAST, whole, 1.0)[:, None]
-    bound = share * 8.0 * WEIGHT * 1.5 / of_all / s.sizes[number] ** 2 + 1e-5 * read
-    blended = 2.0 * PLACE / cascades.transition(N) * read / np.maximum(share, PLACE)
-    return read, bound + np.where((share > 0.0) & (share < 1.0), blended, 0.0), steady | (share[:, 0] == 0.0)
+    bound = 8.0 * off[:, None] * 1.5 / of_all / s.sizes[number] ** 2 + 1e-5 * read
+    return read, bound, steady | (s.shares[number] == 0.0)
+
+
+def blended(s: SimpleNamespace, found) -> tuple[np.ndarray, np.ndarray]:
+    """All windows together, and how far the device may be off: as each of the two that are read is, by their parts, and
+    as the parts are, which grow with the share, and shrink as the finer one has more."""
+    values, bounds = (np.array([each[k] for each in found]) for k in range(2))
+    each, first = np.arange(values.shape[1]), (s.shares > 0.0).argmax(axis=0)
+    pair = first, np.minimum(first + 1, COUNT - 1)
+    (fine, coarse), (off, next_off) = ([a[i, each] for i in pair] for a in (values, bounds))
+    share, error = s.shares[first, each], 2.0 * PLACE / cascades.transition(N)
+
+    def part(sign: int) -> np.ndarray:
+        moved = np.where(share == 1.0, share, np.clip(share + sign * error, 0.0, 1.0))
+        sums = (np.maximum(a, 0.0).sum(axis=-1) for a in (fine - sign * off, coarse + sign * next_off))
+        return moved_share(*sums, moved)[:, None]
+
+    low, high = part(-1), part(1)
+    bound = high * off + (1.0 - low) * next_off + np.abs(fine - coarse) * (high - low)
+    return cascades.blended(values, s.shares), bound
 
 
 @pytest.mark.parametrize("occlusion", [False, True])
@@ -100,12 +121,12 @@ def test_lookup(device, occlusion):
         here.read(stage, s.g.frame, s.grids, one, irradiance, s.windows, packed_shares=packed if occlusion else None)
     picture = device.read_texture(irradiance, np.float32, 4)[..., :3].astype(np.float64)
     cells = cube[..., :3].astype(np.float64)
-    found = [expected_in(s, i, cells[i], w.planes[i] if occlusion else None) for i in range(COUNT)]
-    expected, bound = (sum(each[k] for each in found) for k in range(2))
+    found = [read_in(s, i, cells[i], w.planes[i] if occlusion else None) for i in range(COUNT)]
+    expected, bound = blended(s, found)
     steady = np.all([each[2] for each in found], axis=0)
     assert np.all(np.abs(picture[s.g.inside] - expected)[steady] <= bound[steady]) and not picture[~s.g.inside].any()
     assert steady.mean() > 0.8 and np.median(bound[steady] / expected[steady]) < 0.02
-    free = sum(expected_in(s, i, cells[i], None)[0] for i in range(COUNT))
+    free = blended(s, [read_in(s, i, cells[i], None) for i in range(COUNT)])[0]
     assert occlusion == (np.median(np.abs(expected - free) / free) > 0.02)
 
 

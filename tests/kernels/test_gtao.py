@@ -17,6 +17,7 @@ from octolux.scene.builtin.shapes import quad
 from octolux.scene.cameras import Camera
 from octolux.scene.default_camera import chosen_camera
 from octolux.scene.errors import OctoluxError
+from octolux.simulator.blending import moved_share
 from octolux.simulator.gtao import Seen, ambient_visibility, filtered, taken
 
 # WGSL's accuracy: acos within 6.8e-5, sine and cosine within 2^-11. Of whole arcs, which are at least 1 for each
@@ -111,23 +112,37 @@ def test_open_plane(device, slant, kind):
         assert np.all(found[~seen] == 1.0)
 
 
-def test_a_radius_from_the_room(device):
-    """Another file says the radius at each place: as the simulator with an array of them."""
+def test_radii_from_the_room(device):
+    """Another file says at each place how far is looked: within two radii by shares that change there, as the simulator
+    with one and with the other, one giving way to the other."""
     scene = octolux.load("cornell-box")
     made = rendered(device, scene, chosen_camera(scene, None, 96 / 54))
     given = Struct("Given", near="f32", border="f32")
     ao = AmbientOcclusion(
         device, 2, 4, filtered=False, radius_file=str(TESTS / "kernels" / "ao_radius.wgsl"),
-        bindings=[uniform("given", given)], structs=[given], times=2.5,
+        bindings=[uniform("given", given)], structs=[given], times=2.5, per_metre=2.0,
     )  # fmt: skip
     found = run(device, ao, made.frame, given=device.uniform("given", given.pack(near=0.2, border=0.1)))
-    x = made.seen.positions()[..., 0]
-    radius = np.where(x < 0.1, 0.2, 0.5)
-    expected, margin = ambient_visibility(made.seen, radius, 2, 4, noise=False)
-    far = radius / np.linalg.norm(made.seen.pixel_extent()[0], axis=-1)
-    sure = (margin > SINE * np.maximum(far, 1.0)) & (np.abs(x - 0.1) > 1e-4)
-    assert ((x > 0.1) & sure).sum() > 500 < ((x < 0.1) & sure).sum()
-    assert np.abs(found - expected)[sure].max() <= ACCURACY
+    share = np.clip(0.5 - 2.0 * (made.seen.positions()[..., 0] - 0.1), 0.0, 1.0)
+    sure, both = made.seen.depth > 0.0, []
+    for radius, used in ((0.2, share > 0.0), (0.5, share < 1.0)):
+        visible, margin = ambient_visibility(made.seen, radius, 2, 4, noise=False)
+        far = radius / np.linalg.norm(made.seen.pixel_extent()[0], axis=-1)
+        sure &= (margin > SINE * np.maximum(far, 1.0)) | ~used
+        both.append(visible)
+    for kind in (share == 1.0, (share > 0.0) & (share < 1.0), share == 0.0):
+        assert (kind & sure).sum() > 200
+
+    def between(off: float, share_off: float) -> np.ndarray:
+        near, far = (np.clip(b + off, 0.0, 1.0) for b in both)
+        moved = np.clip(share + share_off, 0.0, 1.0)
+        return far + moved_share(near, far, moved) * (near - far)
+
+    # More of either is more between them; shares change by 2 a metre, and places are right to a 20th of a millimetre.
+    low, high = (np.min([between(a, b) for b in (-1e-4, 1e-4)], axis=0) for a in (-ACCURACY, ACCURACY))
+    high = np.maximum(high, np.max([between(ACCURACY, b) for b in (-1e-4, 1e-4)], axis=0))
+    assert np.all((low - 1e-6 <= found) & (found <= high + 1e-6) | ~sure)
+    assert np.median((high - low)[sure]) < 0.01 and np.abs(both[0] - both[1])[sure].max() > 0.1
 
 
 @pytest.mark.parametrize("radius", [1e-6, 1e6])

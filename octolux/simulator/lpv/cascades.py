@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from octolux.simulator.blending import moved_share
 from octolux.simulator.grid import Grid
 from octolux.simulator.lpv.gathering import Nodes, first_moments, nodes_of
 from octolux.simulator.lpv.octree import build_levels
@@ -42,18 +43,20 @@ class Window:
 
 
 def transition(n: int) -> int:
-    """Cells over which a window gives way to the next."""
-    return n // 8
+    """Cells over which a window gives way to the next: as many as `place_windows` leaves room for, since the wider, the
+    less light changes from frame to frame."""
+    return 3 * n // 16 - 1
 
 
 def place_windows(n: int, count: int, volume: Grid, position, forward) -> list[Window]:
     """The windows around a camera at `position` (3,) that looks along `forward` (3,), the finest first; the last is
     `volume`, n^3 cells, whole.
 
-    Each lies before the camera (4: "displaced into the view direction"), by n / 8 - 1/2 cells: as far as leaves it
-    within that part of the next where this one's light is read alone. For it is read up to n / 2 - 5 / 2 cells from its
-    middle, two for the snapping and one half for the filter, and alone up to a transition before that; from one of
-    twice the size to the next, with m cells of displacement each, n / 2 - 5 / 2 + m <= 2 (n / 2 - 5 / 2 - n / 8).
+    Each lies before the camera (4: "displaced into the view direction"), by m = n / 8 - 1/2 cells. It is read up to
+    n / 2 - 5 / 2 cells from its middle, two for the snapping and one half for the filter, which lies within that part
+    of the next where that one's light is read alone, a transition t less far, of cells of twice the size, from a middle
+    that is as much farther ahead: n / 2 - 5 / 2 + m <= 2 (n / 2 - 5 / 2 - t). So two windows at most are read anywhere,
+    and t is 3 n / 16 - 1 at most.
     At the volume's ends, beyond which there is nothing to see, it stays inside.
 
     Raises ValueError for fewer than one window, or n that is not a multiple of 16.
@@ -109,6 +112,15 @@ def weights(places, windows: Sequence[Window], n: int) -> np.ndarray:
         result.append(left * share)
         left = left * (1.0 - share)
     return np.array(result)
+
+
+def blended(values: np.ndarray, shares: np.ndarray) -> np.ndarray:
+    """What is read (M, 3) of `values` (count, M, 3) of all windows by their `shares` (count, M), of `weights`: of the
+    finest that has one and of the next, by equal factors of all channels together (blending.py)."""
+    each, first = np.arange(shares.shape[1]), (shares > 0.0).argmax(axis=0)
+    fine, coarse = values[first, each], values[np.minimum(first + 1, len(values) - 1), each]
+    moved = moved_share(fine.sum(axis=-1), coarse.sum(axis=-1), shares[first, each])
+    return coarse + moved[:, None] * (fine - coarse)
 
 
 def window_levels(own: Sequence[np.ndarray]) -> list[np.ndarray]:

@@ -7,6 +7,10 @@ layer and in the one beside it: what counts are the planes of the cell and of it
 between place and middle, and the larger share of both, not their product: a wall that is cut by the face between two
 cells has a plane in each.
 
+A plane that is less than UNSURE from the place may be before or behind it: it counts in part, whichever way. Beside a
+wall, whose plane may lie a little before it where other surfaces are in its cells, all would be read from behind it
+otherwise, and the cells of another window, whose plane lies elsewhere, would say something else by far.
+
 Where planes lie on all sides the cells around are all there is: then they count as if nothing were between.
 """
 
@@ -14,10 +18,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from octolux.simulator.lpv.geometry import Planes
+from octolux.simulator.lpv.geometry import STEPS, Planes
 
 LEAST = 2.0**-10
 """Sum of weights below which all corners are as good as blocked: what little passes would be rounding's choice."""
+
+UNSURE = 1.0 / STEPS[1]
+"""Cells on either side of a plane from which on it is known where a place is: the step in which planes are kept."""
 
 CORNERS = np.array(list(np.ndindex(2, 2, 2)))[:, ::-1]
 """The eight cells from the lowest one, (8, 3) x, y, z: x changes first."""
@@ -58,9 +65,13 @@ def _passed(place: np.ndarray, shares: np.ndarray, offsets: np.ndarray) -> np.nd
     for axis in range(3):
         at, middle, beside = place[:, None, axis], CORNERS[:, axis] + 0.5, np.arange(8) ^ (1 << axis)
         plane, share = CORNERS[:, axis] + offsets[..., axis], shares[..., axis]
-        low, high = np.minimum(at, middle), np.maximum(at, middle)
-        own, other = (
-            np.where((low < plane[:, c]) & (plane[:, c] < high), share[:, c], 0.0) for c in (np.arange(8), beside)
-        )
+        own, other = (_blocked(at, middle, plane[:, c], share[:, c]) for c in (np.arange(8), beside))
         passed *= 1.0 - np.maximum(own, other)
     return passed
+
+
+def _blocked(place: np.ndarray, middle: np.ndarray, plane: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """What a plane blocks of the way along an axis from place to middle: its share, if it lies between."""
+    upwards = middle > place
+    ahead, before = np.where(upwards, plane - place, place - plane), np.where(upwards, plane < middle, plane > middle)
+    return np.where(before, share * np.clip(0.5 + 0.5 * ahead / UNSURE, 0.0, 1.0), 0.0)

@@ -31,10 +31,10 @@ class Cascades:
         self.device.write(self.grids_buffer, pack_grids(self.grids))
         self.device.write(self.windows_buffer, pack_windows(self.windows))
 
-    def ambient_occlusion(self) -> AmbientOcclusion:
+    def ambient_occlusion(self, lookup_offset: float) -> AmbientOcclusion:
         """Of what is smaller than the cells of the cascade that a place is read in."""
         return AmbientOcclusion(
             self.device, radius_file="techniques/lpv/cascaded/ao_radius.wgsl",
             bindings=[grids_binding(self.count), windows_binding(self.count)], structs=[GRID, WINDOW], n=self.n,
-            windows=self.count, transition=transition(self.n),
+            windows=self.count, transition=transition(self.n), lookup_offset=float(lookup_offset),
         )  # fmt: skip

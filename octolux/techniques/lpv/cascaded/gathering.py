@@ -48,7 +48,7 @@ class CascadedGathering:
         self.surfaces = Surfaces(device, s.surfels, self.geometry, self.reflectors)
         if s.bounces > 1:
             self.bounces = Bounces(device, self.levels, s.bounces - 1, occlusion=s.occlusion)
-        self.ambient = cascades.ambient_occlusion() if s.ambient_occlusion else None
+        self.ambient = cascades.ambient_occlusion(s.lookup_offset) if s.ambient_occlusion else None
         self.glossy = None
         if s.glossy:
             self.glossy = Glossy(

@@ -48,7 +48,7 @@ class CascadedLpvSettings(LpvSettings):
 
     ambient_occlusion: bool = setting(
         True, meaning="what is smaller than a cell shadows in screen space", unit="", allowed=(False, True),
-        cost="a pass over all pixels, some 20 ms of a CPU at 640 x 360", source="CLPV 3.2, 7; GTAO",
+        cost="a pass over all pixels, some 40 ms of a CPU at 640 x 360", source="CLPV 3.2, 7; GTAO",
     )  # fmt: skip
     glossy: bool = setting(
         True, meaning="glossy surfaces reflect the cells: rays go through them; steps: the paper's mean of a few cells",

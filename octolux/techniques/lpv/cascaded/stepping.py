@@ -51,7 +51,7 @@ class CascadedStepping:
             device, s.n, reading=s.reading, damping=s.damping, lookup_offset=s.lookup_offset, windows=s.cascades,
             visibility=s.ambient_occlusion,
         )  # fmt: skip
-        self.ambient = cascades.ambient_occlusion() if s.ambient_occlusion else None
+        self.ambient = cascades.ambient_occlusion(s.lookup_offset) if s.ambient_occlusion else None
         self.glossy = PaperGlossy(
             device, self.levels, lookup_offset=s.lookup_offset, cells=s.glossy_cells or PAPER_CELLS
         ) if s.glossy else None

@@ -43,7 +43,11 @@ fn corners_at(window: u32, place: vec3f) -> Corners {
 }
 
 {% if occlusion %}
+// Of a plane between place and middle its share; of one that lies nearer to the place than planes are known, on whichever side, part.
 fn blocked(place: f32, middle: f32, plane: f32, share: f32) -> f32 {
-    return select(0.0, share, (plane > min(place, middle)) & (plane < max(place, middle)));
+    let upwards = middle > place;
+    let ahead = select(place - plane, plane - place, upwards);
+    let before = select(plane > middle, plane < middle, upwards);
+    return select(0.0, share * saturate(0.5 + {{ 0.5 / unsure }} * ahead), before);
 }
 {% endif %}

@@ -5,6 +5,9 @@
 {{ use("shaders/gbuffer.wgsl") }}
 {{ use("techniques/lpv/storage_scale.wgsl") }}
 {{ use("techniques/lpv/place.wgsl") }}
+{% if windows > 1 %}
+{{ use("shaders/blending.wgsl") }}
+{% endif %}
 
 {% if corners %}
 {{ use("techniques/lpv/gathering/corners.wgsl") }}
@@ -52,7 +55,8 @@ fn main(@builtin(global_invocation_id) pixel: vec3u) {
     let reading = finest_reading(seen);
     var irradiance = read_cube(reading.window, seen);
     {% if windows > 1 %}
-    irradiance = mix(read_cube(min(reading.window + 1u, {{ windows - 1 }}u), seen), irradiance, reading.share);
+    let next = read_cube(min(reading.window + 1u, {{ windows - 1 }}u), seen);
+    irradiance = mix(next, irradiance, moved_share(dot(irradiance, vec3f(1.0)), dot(next, vec3f(1.0)), reading.share));
     {% endif %}
     let visible = {{ "textureLoad(visibility_map, pixel.xy, 0).x" if visibility else "1.0" }};
     textureStore(irradiance_out, pixel.xy, vec4f(irradiance * (1.0 / storage_scale(peak[0])), visible));

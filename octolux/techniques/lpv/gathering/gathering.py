@@ -12,6 +12,7 @@ from ....gpu.device import Device
 from ....gpu.layout import Struct
 from ....gpu.passes import ComputePass
 from ....gpu.records import record_texture, records, records_out
+from ....simulator.blending import RATIO
 from ....simulator.lpv import cones, corners, gathering
 from ....simulator.lpv.cascades import transition
 from ..constants import GRID, SH_CONSTANTS, grids_binding
@@ -103,7 +104,8 @@ class Gathering:
                 windows_binding(count)]  # fmt: skip
         values: dict[str, Any] = {
             "n": self.n, "windows": count, "lookup_offset": float(lookup_offset), "transition": transition(self.n),
-            "corners": self.corners, "occlusion": self._occlusion, "least": _LEAST, "closed": corners.LEAST,
+            "blend_ratio": RATIO, "corners": self.corners, "occlusion": self._occlusion, "least": _LEAST,
+            "closed": corners.LEAST, "unsure": corners.UNSURE,
         }  # fmt: skip
         if self.corners and self._occlusion:
             seen.append(storage("geometry", "u32"))
