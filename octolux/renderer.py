@@ -276,6 +276,7 @@ class Renderer:
             "adapter": self.device.adapter_name,
             "technique": self.technique.name,
             "settings": self.technique.settings.as_dict(),
+            "frame_settings": dict(vars(self.frame_settings)),
             "size": list(self.targets.size),
             "samples": self.samples,
             "frames": self.profiler.frames,

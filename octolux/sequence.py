@@ -75,7 +75,7 @@ class Timeline:
             "camera": self._camera_name(),
             "technique": statistics["technique"],
             "settings": json.dumps(statistics["settings"]),
-            "frame_settings": json.dumps(vars(self.renderer.frame_settings)),
+            "frame_settings": json.dumps(statistics["frame_settings"]),
             "adapter": statistics["adapter"],
             "frame": frame,
             "framesPerSecond": Fraction(self.fps).limit_denominator(1001),

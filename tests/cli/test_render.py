@@ -85,8 +85,8 @@ def check_exr(path: Path, picture: octolux.Picture) -> None:
 
 def check_statistics(statistics: dict, picture: octolux.Picture) -> None:
     assert list(statistics) == [
-        "adapter", "technique", "settings", "size", "samples", "frames", "frame_ms", "stages", "timing", "timing_note",
-        "pools", "memory_bytes", "energy",
+        "adapter", "technique", "settings", "frame_settings", "size", "samples", "frames", "frame_ms", "stages",
+        "timing", "timing_note", "pools", "memory_bytes", "energy",
     ]  # fmt: skip
     assert statistics["technique"] == "uniform-lpv"
     assert statistics["settings"] == TECHNIQUES["uniform-lpv"].settings_class(n=16).as_dict()

@@ -114,7 +114,7 @@ class VoxelConesSettings(Settings):
     )  # fmt: skip
     attenuation: float = setting(
         0.0, meaning="share that the air takes of gathered light each metre: exp(-attenuation distance) of it arrives. "
-        "Lamps fall with the square of the distance without it; in fog it is what that scatters and absorbs",
+        "Lamps fall off with the square of the distance besides; in fog it is what that scatters and absorbs",
         unit="1/m", allowed=[0.0, 10.0], cost="an exponential a sample", source="VCT, table C.2; cones.py",
     )  # fmt: skip
     ambient_distance: float = setting(
