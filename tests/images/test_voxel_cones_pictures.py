@@ -17,7 +17,8 @@ from octolux.gpu.device import Device
 from octolux.gpu.profiler import Profiler
 from octolux.gpu.records import read_records
 from octolux.renderer import Renderer
-from octolux.scene.builtin.shapes import quad
+from octolux.scene.builtin.shapes import box, quad
+from octolux.scene.cameras import Camera
 from octolux.scene.lights import DirectionalLight, PointLight, SpotLight
 from octolux.scene.load import load_scene
 from octolux.scene.materials import Material
@@ -160,12 +161,30 @@ def test_lights_that_come_and_go(device, bounces, kept):
 @pytest.mark.parametrize("kept", REPRESENTATIONS)
 def test_bounces_add_light_but_create_none(device, kept):
     """Each brings more, and all together no more than a geometric series of the largest albedo would."""
-    scene = load_scene("cornell-box")
-    made = [renderer(device, scene, bounces=n, representation=kept) for n in (1, 2, 4)]
+    scene, counts = load_scene("cornell-box"), [(1, False), (2, False), (4, False), (4, True)]
+    made = [renderer(device, scene, bounces=n, endless=on, representation=kept) for n, on in counts]
     means = [one.render().layers["indirect"].mean() for one in made]
     most = max(max(m.base_color) for m in scene.materials)
     assert means[0] * 1.1 < means[1] < means[0] * (1.0 + most)
     assert means[1] * 1.1 < means[2] < means[0] * (1.0 - most**4) / (1.0 - most)
+    assert means[2] * 1.03 < means[3] < means[0] / (1.0 - most)
+
+
+@pytest.mark.parametrize("albedo", [0.4, 0.8])
+def test_endless_bounces_in_a_grey_room(device, albedo):
+    """In a closed cube with a lamp in its middle walls receive indirectly a / (1 - a) of its flux, whatever its shape,
+    and of four bounces a + ... + a^4. Each is within 5 %, as the white furnace is asked to be. A picture along an axis
+    shows each part of a wall once."""
+    room = scene_of([box((-1, -1, -1), (1, 1, 1), inward=True)], [Material(base_color=(albedo,) * 3, specular=0.0)],
+                    lights=[PointLight(position=(0.0, 0.0, 0.0), intensity=(3.0, 2.0, 1.0))])  # fmt: skip
+    inside = Camera.look_at((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), vertical_fov=0.5 * np.pi)
+    flux = 4.0 * np.pi * np.array([3.0, 2.0, 1.0]) / 24.0
+    powers = np.arange(1, 5)
+    for endless in (True, False):
+        made = renderer(device, room, bounces=4, endless=endless, size=(24, 24))
+        found = made.render(inside).layers["irradiance"].mean(axis=(0, 1)) / flux
+        least, most = (a / (1.0 - a) if endless else (a**powers).sum() for a in (0.95 * albedo, 1.05 * albedo))
+        assert (found >= least).all() and (found <= most).all()
 
 
 @pytest.mark.parametrize("preset", PRESETS)

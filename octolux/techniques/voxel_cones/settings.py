@@ -60,9 +60,14 @@ class VoxelConesSettings(Settings):
         cost="none; less picks out texels, more blurs over the borders of what a texture shows", source="VCT 5.2.1",
     )  # fmt: skip
     bounces: int = setting(
-        4, meaning="times that light is reflected before it reaches what is seen", unit="bounces", allowed=[1, 8],
-        cost="each more than one: a gathering at the scene's coarse voxels, and filtering everything, when lights or "
-        "the scene change", source="VCT 7.2",
+        4, meaning="times that light is reflected, and followed, before it reaches what is seen", unit="bounces",
+        allowed=[1, 8], cost="each more than one: a gathering at the scene's coarse voxels, and filtering everything, "
+        "when lights or the scene change", source="VCT 7.2",
+    )  # fmt: skip
+    endless: bool = setting(
+        True, meaning="with 4 or more `bounces`, what further ones would bring is added, as a geometric series",
+        unit="", allowed=(False, True), cost="little; without it their light is missing",
+        source="ours; simulator/voxels/series.py",
     )  # fmt: skip
     bounce_level: int = setting(
         3, meaning="level of the voxels that gather light for further bounces", unit="levels", allowed=[0, 4],

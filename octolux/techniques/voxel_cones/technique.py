@@ -16,6 +16,7 @@ from .cones.specular import SpecularCones
 from .cones.wide import WideCones
 from .light.bounces import Bounces
 from .light.injection import Injection
+from .light.series import Series
 from .settings import VoxelConesSettings, read_box
 from .views.views import VoxelViews
 from .voxels.parts import Parts
@@ -70,7 +71,7 @@ class VoxelCones(Technique):
         others = [*octrees[1:], *octrees[:1]] if len(octrees) > 1 else [None]
         self.injections = [Injection(device, one, other) for one, other in zip(octrees, others, strict=True)]
         self.reading.moving = self.parts.moving.bricks if self.parts.moving else None
-        self.bounces = []
+        self.series, self.bounces = Series(device, octrees), []
         if s.bounces > 1:
             self.bounces = [Bounces(device, octree, self.reading, s.bounce_level, s.attenuation) for octree in octrees]
 
@@ -113,8 +114,8 @@ class VoxelCones(Technique):
         with frame.profiler.stage("injection") as stage:
             changed = [injection.run(stage, frame) for injection in self.injections]
         self._filter(frame, everything=new or changed[0] or bool(self.bounces))
-        for _ in range(self.settings.bounces - 1):
-            self._bounce(frame)
+        for number in range(self.settings.bounces - 1):
+            self._bounce(frame, number)
         self._light_of = light_of
 
     def forget(self) -> None:
@@ -133,13 +134,14 @@ class VoxelCones(Technique):
             for octree in moving:
                 octree.filtering.everything(stage, unit)
 
-    def _bounce(self, frame: Frame) -> None:
-        unit = self.injection.unit
+    def _bounce(self, frame: Frame, number: int) -> None:
+        unit, last = self.injection.unit, number == self.settings.bounces - 2
         with frame.profiler.stage("bounces") as stage:
-            for bounces in self.bounces:
-                bounces.receive(stage, unit)
+            received = [bounces.receive(stage, unit, number) for bounces in self.bounces]
+            self.series.follow(stage, number, received)
             for bounces, injection in zip(self.bounces, self.injections, strict=True):
-                bounces.reflect(stage, injection.fresh.resource, unit)
+                fresh = injection.fresh.resource
+                bounces.reflect(stage, fresh, unit, number, self.series, last and self.settings.endless)
 
     def shade(self, frame: Frame) -> None:
         grid, voxels = self.octree.grid, self.reading.resources

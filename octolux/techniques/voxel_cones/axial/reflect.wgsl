@@ -12,7 +12,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let voxel = reflector_at(owner >> 3u, index & 7u);
     let brick = brick_of_way(ways[node_of(voxel.coarse >> 3u)], way);
     let there = voxel.occupied && brick != NO_NODE;
-    let arriving = unpack_bright(received[select(0u, 8u * (brick - bounce.coarse_first) + (voxel.coarse & 7u), there)]);
+    let arriving = arriving_at(select(0u, 8u * (brick - bounce.coarse_first) + (voxel.coarse & 7u), there));
     let share = share_of_way(voxel.facing, way);
     light[place] = pack_bright(unpack_bright(injected_light[index]) + select(vec3f(0.0), share * voxel.surface.albedo * arriving, there));
 }

@@ -24,5 +24,5 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     for (var i = 0u; i < {{ cones }}u; i++) {
         sum += wide_cone(start, from_basis(basis, cone_axis(i, shift)), normal, 0.0, wanted).radiance;
     }
-    received[index] = pack_bright({{ 1 / cones }} * bounce.per_unit * sum);
+    received[bounce.now + index] = pack_bright({{ 1 / cones }} * bounce.per_unit * sum);
 }

@@ -20,7 +20,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     var moment = vec3f(0.0);
     {% for number, axis in ((0, "x"), (1, "y"), (2, "z")) %}{% for side in range(2) %}
     {
-        let arriving = unpack_bright(received[select(0u, first + {{ 16 * number + 8 * side }}u, there)]);
+        let arriving = arriving_at(select(0u, first + {{ 16 * number + 8 * side }}u, there));
         let sent = shares[{{ side }}].{{ axis }} * voxel.surface.albedo * arriving;
         reflected += sent;
         moment.{{ axis }} += {{ (2 - 4 * side) / 9 }} * dot(sent, vec3f(1.0));
