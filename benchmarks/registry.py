@@ -20,7 +20,7 @@ MODULES = (
     "olpv_artefacts", "clpv_propagation", "clpv_ao", "clpv_emitted", "clpv_area", "clpv_fog",
     "clpv_glossy",
     "clpv_stability", "clpv_motion", "clpv_table1", "clpv_ratios", "vct_rows", "vct_closed_forms",
-    "vct_dense", "vct_motion", "vct_cost", "vct_gathering",
+    "vct_dense", "vct_motion", "vct_cost", "vct_accuracy", "vct_gathering",
 )  # fmt: skip
 
 

@@ -11,7 +11,7 @@ from octolux.gpu.device import Device
 from octolux.scene.builtin.shapes import box
 from octolux.scene.cameras import Camera
 from octolux.scene.environment import Environment
-from octolux.scene.lights import DirectionalLight
+from octolux.scene.lights import DirectionalLight, PointLight
 from octolux.scene.materials import Material
 from octolux.scene.scene import Scene
 from octolux.simulator.form_factors import point_to_parallel_square
@@ -122,3 +122,20 @@ def vct_beam() -> dict[str, float]:
     """Irradiance by a lit ceiling of known albedo over the closed form's: of the colours that which is most off."""
     ratios = {preset: beam(device(), preset) for preset in PRESETS}
     return {preset: float(found[np.abs(found - 1.0).argmax()]) for preset, found in ratios.items()}
+
+
+@figure("vct_endless", group="vct", unit="x")
+def vct_endless() -> dict[str, float]:
+    """Indirect irradiance in a closed room of one albedo a, a lamp in its middle, over what walls receive on the mean:
+    a / (1 - a) of the lamp's flux. Four bounces, with what further ones bring and without, by depth."""
+    lamp, albedo = PointLight(position=(0.0, 1.0, 0.0), intensity=(5.0, 5.0, 5.0)), 0.8
+    grey = Material(base_color=(albedo,) * 3, specular=0.0)
+    room = replace(closed_box(), materials=[grey], lights=[lamp])
+    along = Camera.look_at(lamp.position, (0.0, 1.0, -1.0), vertical_fov=0.5 * pi)  # shows all of a wall alike
+    expected = 4.0 * pi * 5.0 / 24.0 * albedo / (1.0 - albedo)
+    found: dict[str, float] = {}
+    for depth in (DEPTH, 8):
+        for name, endless in (("endless", "true"), ("four", "false")):
+            made = watched(device(), room, along, f"default,depth={depth},bounces=4,endless={endless}", (24, 24))
+            found[f"{name}_{depth}"] = float(made.picture.layers["irradiance"].mean()) / expected
+    return found

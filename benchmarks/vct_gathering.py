@@ -8,23 +8,19 @@ import numpy as np
 
 import octolux
 from octolux.compare.choices import choice
-from octolux.compare.metrics import relative_errors
 from octolux.compare.perception import flip, flip_missing
-from octolux.compare.rendering import Studio
 from octolux.picture import Picture
 from octolux.renderer import Renderer
 from octolux.simulator.tonemap import signal
 
 from .clpv_glossy import SMALL, reference
-from .comparison import diffuse_indirect
-from .comparison_set import SET, View, scene_of
-from .comparison_set import reference as first_bounce
+from .comparison_set import SET, scene_of
 from .lab import device
 from .registry import NeedsData, aim, at_least, at_most, figure
 from .stages import interleaved_stages
+from .vct_accuracy import errors_of
 
-DEFAULT, FINEST = (f"voxel-cones{preset},bounces=1" for preset in ("", ":finest"))
-HALF, FULL = (f"{DEFAULT},resolution={resolution},tile=4" for resolution in (2, 1))
+HALF, FULL = (f"voxel-cones,bounces=1,resolution={resolution},tile=4" for resolution in (2, 1))
 TIMED, SIZE, FRAMES = ("atrium", "corridor"), (640, 360), 5
 GATHERING = ("diffuse cones", "cone filter")
 
@@ -52,54 +48,17 @@ def vct_half_resolution() -> dict[str, float]:
     return {"faster": min(faster), **mean, **fine}
 
 
-@figure("vct_first_bounce", group="vct", unit="relative", bound={
-    "finest.least_ratio": at_least(0.85), "finest.most_ratio": at_most(1.15), "finest.trimmed": at_most(0.25),
-    "default.least_ratio": at_least(0.85), "default.most_ratio": at_most(1.15), "default.trimmed": aim("<= 0.25"),
-})  # fmt: skip
-def vct_first_bounce() -> dict[str, float]:
-    """The default and the preset for stills, 8 levels, against the path tracer's first bounce on the comparison set:
-    of the views' ratios of means the least and the most, of their trimmed errors, which follow, the largest."""
-    return {
-        f"{name}.{key}": value
-        for name, text in (("finest", FINEST), ("default", DEFAULT)) for key, value in _first_bounce(text).items()
-    }  # fmt: skip
-
-
-def _first_bounce(text: str) -> dict[str, float]:
-    found, ratios = {}, []
-    for view in SET:
-        try:
-            if not view.lit_by:
-                errors = _errors(view, text, 1)
-                ratios.append(errors["ratio"])
-                found[view.name] = errors["trimmed"]
-        except NeedsData:
-            continue
-    return {"least_ratio": min(ratios), "most_ratio": max(ratios), "trimmed": max(found.values()), **found}
-
-
 def _error_ratios(finer: int) -> dict[str, float]:
     """Of half resolution over full, by view."""
     found = {}
     for view in SET:
         try:
             if not view.lit_by:
-                half, full = (_errors(view, text, finer)["trimmed"] for text in (HALF, FULL))
+                half, full = (errors_of(view, text, finer)["trimmed"] for text in (HALF, FULL))
                 found[view.name] = half / full
         except NeedsData:
             continue
     return found
-
-
-def _errors(view: View, text: str, finer: int) -> dict[str, float]:
-    """Of the first bounce, in pictures with so many times the pixels along each edge."""
-    known = first_bounce(view)
-    width, height = known.size
-    studio = Studio(scene_of(view), device(), (finer * width, finer * height), view.camera, frames=0)
-    rendering, every = studio.render(choice(text)), np.s_[finer // 2 :: finer, finer // 2 :: finer]
-    mask, halves = known.mask & rendering.mask[every], known.halves["indirect"]
-    found = relative_errors(diffuse_indirect(rendering)[every], *halves, mask, known.pictures["indirect"])
-    return {name: value for name, value in found.items() if value is not None}
 
 
 REFLECTING = ("voxel-cones", "voxel-cones,bounces=1", "cascaded-lpv", "cascaded-lpv,bounces=1", "none")
