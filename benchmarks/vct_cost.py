@@ -105,11 +105,11 @@ BESIDE = ("voxel-cones", "voxel-cones:fast", "cascaded-lpv", "octree-lpv")
 
 @figure("vct_beside", group="vct", unit="x")
 def vct_beside() -> dict[str, float]:
-    """Frames of the atrium and of Crytek Sponza under three lamps at 640x360, in which nothing moves, but maps of
+    """Frames of the atrium and of Crytek Sponza under three lamps at 1280x720, in which nothing moves, but maps of
     lights are drawn anew, over those of cascaded-lpv: medians of frames that take turns."""
     found = {}
     for view in (VIEWS["atrium"], VIEWS["crytek_lamps"]):
-        times = interleaved_stages(scene_of(view), view.camera, BESIDE, (640, 360), ROUNDS)
+        times = interleaved_stages(scene_of(view), view.camera, BESIDE, CRYTEK_SIZE, ROUNDS)
         whole = times["cascaded-lpv"]["frame"]
         found |= {f"{view.name}.{text}": stages["frame"] / whole for text, stages in times.items()}
     return found
