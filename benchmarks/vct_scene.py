@@ -85,8 +85,9 @@ def watched(
     one = choice(f"voxel-cones:{preset},depth={DEPTH},bounces=1{',' + changes if changes else ''}")
     assert isinstance(one.settings, VoxelConesSettings)
     shared = sharing(one.settings.resolution, one.settings.tile, USUAL_SIZE)
+    settings = replace(one.settings, resolution=shared.resolution, tile=shared.tile)
     renderer = Renderer(
-        scene, one.technique, settings=replace(one.settings, **shared._asdict()), size=size, device=device,
+        scene, one.technique, settings=settings, size=size, device=device,
         exposure=0.0, default_light=False, frame_settings=MAPS,
     )  # fmt: skip
     picture = renderer.render(camera)

@@ -56,8 +56,9 @@ def seen(device) -> SimpleNamespace:
     surface[..., 3] = colors[..., 2] | roughness << 16 | metallic << 24
     targets = SimpleNamespace(surface=picture_texture(device, surface, "rgba32uint"), depth=base.frame.targets.depth)
     frame = SimpleNamespace(
-        pixels=base.frame.pixels, buffers=base.frame.buffers, targets=targets, surroundings_map=SurroundingsMap(device)
-    )
+        pixels=base.frame.pixels, buffers=base.frame.buffers, targets=targets, sample=0,
+        surroundings_map=SurroundingsMap(device),
+    )  # fmt: skip
     material = brdf.surface(colors / 65535.0, metallic / 255.0, roughness / 255.0, specular / 255.0)
     return SimpleNamespace(
         frame=frame, points=base.points, inside=base.inside, to_eye=to_eye, normals=unpack_normals(surface[..., 0]),

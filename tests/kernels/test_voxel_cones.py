@@ -182,6 +182,21 @@ def test_pixels_of_small_tiles_have_several_sets(device, tile):
         assert np.abs(found[r][:, 3] - visible).max() <= 4.0 * WEIGHT
 
 
+@pytest.mark.parametrize(("tile", "among"), [(2, 4), (1, 8)])
+def test_samples_have_all_sets_between_them(device, tile, among):
+    """Their mean is what all sets bring; sums are of another order."""
+    whole, at = traced(device, DiffuseCones(device, voxels(), WideCones(count=4, tile=tile))), start(device)
+    frame, found = seen(device).frame, []
+    made = DiffuseCones(device, voxels(), WideCones(count=4, tile=tile, among=among))
+    try:
+        for frame.sample in range(among):
+            found.append(traced(device, made))
+    finally:
+        frame.sample = 0
+    np.testing.assert_allclose(np.mean(found, axis=0)[at.inside], whole[at.inside], atol=64 * 2.0**-24 * BRIGHTEST * pi)
+    assert not np.allclose(found[0], found[1], atol=0.01)
+
+
 @pytest.mark.parametrize(("resolution", "tile"), [(1, 4), (2, 4), (4, 4), (1, 2), (2, 1)])
 def test_filter_as_the_simulator(device, atrium, resolution, tile):
     """From the device's own raw picture. Normals are the same bits on both sides; heights over a pixel's plane are

@@ -71,6 +71,13 @@ def test_the_mip_level_of_textures(device):
 def test_what_pixels_share(pixels, given, expected):
     """What is not said is as fine as cones allow that are no more than those of 1280 x 720."""
     found = sharing(*given, pixels)
-    assert found == expected
+    assert found == (*expected, 1)
     usual = sharing(*given, USUAL_SIZE)
     assert found == usual or found.sets(pixels) <= usual.sets(USUAL_SIZE)
+
+
+@pytest.mark.parametrize(("samples", "among"), [(1, 1), (3, 1), (6, 2), (8, 4), (64, 4)])
+def test_samples_divide_what_a_pixel_has(samples, among):
+    """Four sets in these pixels: each is in the same number of samples."""
+    assert sharing(0, 0, (256, 144), samples) == (1, 2, among)
+    assert sharing(0, 0, USUAL_SIZE, samples) == (2, 4, 1)

@@ -59,7 +59,7 @@ class VoxelCones(Technique):
         """Diffuse cones that so many pixels share."""
         s = self.settings
         self.sharing = shared
-        self.wide = WideCones(s.cones, s.samples, s.width, shared.tile, s.screen, s.bounces)
+        self.wide = WideCones(s.cones, s.samples, s.width, shared.tile, shared.among, s.screen, s.bounces)
         self.diffuse = DiffuseCones(
             self.device, self.voxels, self.wide, resolution=shared.resolution, reach=s.ambient_distance, **self._start
         )  # fmt: skip
@@ -88,7 +88,7 @@ class VoxelCones(Technique):
     def prepare(self, frame: Frame) -> None:
         if self.parts.prepare(frame.gpu_scene):
             self._follow()
-        shared = sharing(self.settings.resolution, self.settings.tile, frame.pixels)
+        shared = sharing(self.settings.resolution, self.settings.tile, frame.pixels, frame.samples)
         if shared != self.sharing:
             self._share(shared)
         self.diffuse.prepare(frame.pixels)

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from ....frame.frame import COPY, STORAGE, TEXTURE, Frame
 from ....frame.shader_values import CONSTANTS
 from ....frame.structs import VIEW, views_binding
@@ -19,11 +21,17 @@ from ....simulator.gtao import LEAST_WEIGHT
 from ....simulator.voxels import cones
 from ....simulator.voxels.filtering import TURNED
 
-# Where the cube of voxels lies: its lowest corner, and the edge of a voxel of level 0, metres.
-VOXELS_OF = Struct("VoxelsOf", origin="vec3f", size="f32")
+# Where the cube of voxels lies: its lowest corner, and the edge of a voxel of level 0, metres.  sample: number of that
+# of each pixel.
+VOXELS_OF = Struct("VoxelsOf", origin="vec3f", size="f32", sample="u32")
 # absorbed: of light, for each voxel of level 0 of its way.  reach: of ambient visibility, voxels of level 0.
 AIR = Struct("Air", absorbed="f32", reach="f32")
 RESOLUTIONS = (1, 2, 4)
+
+
+def voxels_of(grid: Grid, sample: int = 0) -> np.ndarray:
+    """A VOXELS_OF."""
+    return VOXELS_OF.pack(origin=grid.origin, size=grid.cell_size, sample=sample)
 
 
 @dataclass(frozen=True)
@@ -84,7 +92,7 @@ class Gathering:
         }  # fmt: skip
 
     def _resources(self, frame: Frame, grid: Grid) -> dict[str, Any]:
-        self.device.write(self._of, VOXELS_OF.pack(origin=grid.origin, size=grid.cell_size))
+        self.device.write(self._of, voxels_of(grid, frame.sample))
         if self._air is None:
             return {**seen_by(frame), "voxels_of": self._of}
         size = grid.cell_size

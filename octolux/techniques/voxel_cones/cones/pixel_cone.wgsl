@@ -7,10 +7,13 @@
 {{ use("techniques/voxel_cones/cones/screen.wgsl") }}
 {% endif %}
 
-const SETS = {{ phases // tile**2 }}u; // of cones, that a pixel has
+const SETS = {{ sets }}u; // of cones, that a pixel has in a sample
 
-// Of the sets of a pixel, of which each one of a tile has others (simulator/voxels/directions.py, `phases_of`).
-fn first_phase(at: vec2u) -> u32 { return SETS * (at.x % {{ tile }}u + {{ tile }}u * (at.y % {{ tile }}u)); }
+// Of the sets of a pixel, of which each one of a tile has others (simulator/voxels/directions.py, `phases_of`), and each of
+// {{ among }} samples a part.
+fn first_phase(at: vec2u) -> u32 {
+    return SETS * ({{ among }}u * (at.x % {{ tile }}u + {{ tile }}u * (at.y % {{ tile }}u)) + voxels_of.sample % {{ among }}u);
+}
 
 // albedo: of what it meets on the screen, of whose light only what it reflects of direct light is in `traced`.
 struct PixelCone { towards: vec3f, traced: Traced, albedo: vec3f }

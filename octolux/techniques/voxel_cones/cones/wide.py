@@ -25,17 +25,19 @@ MOST_SCREEN = 64.0
 class WideCones:
     """Of what are they made. Raises OctoluxError for values out of range.
 
-    count: of cones in a set, 4 to 16.  per_level: samples of a cone for each level, 1 to 8.  width: of the voxels that
-    are read, over those that blur as much as a cone does, 0.25 to 2: smaller ones see finer, and need more samples a
-    level.  tile: pixels along the edge of a tile whose pixels have all sets between them.  screen: voxels of level 0
-    for which cones are followed among what the picture shows, 0 to 64 (simulator/voxels/screen.py); the frame then has
-    `direct_diffuse`.  bounces: reflections of what is met there.
+    count: of cones in a set, 4 to 16.  per_level: samples of a cone for each level, 1 to 8.  width: of the voxels
+    that are read, over those that blur as much as a cone does, 0.25 to 2: smaller ones see finer, and need more
+    samples a level.  tile: pixels along the edge of a tile whose pixels have all sets between them.  among: samples
+    of a pixel that have its sets between them.  screen: voxels of level 0 for which cones are followed among what
+    the picture shows, 0 to 64 (simulator/voxels/screen.py); the frame then has `direct_diffuse`.  bounces:
+    reflections of what is met there.
     """
 
     count: int = 8
     per_level: int = 2
     width: float = 1.0
     tile: int = 4
+    among: int = 1
     screen: float = 0.0
     bounces: int = 1
 
@@ -53,8 +55,8 @@ class WideCones:
 
     @property
     def sets(self) -> int:
-        """Of cones, that each pixel has."""
-        return directions.PHASES // self.tile**2
+        """Of cones, that each pixel has in a sample."""
+        return directions.PHASES // self.tile**2 // self.among
 
     def values(self) -> dict[str, Any]:
         """What wide_cone.wgsl wants to know, and what screen.wgsl."""
@@ -62,7 +64,8 @@ class WideCones:
             "cones": self.count, "near": cones.near_samples(self.count, self.width),
             "first_level": cones.first_level_samples(self.count, self.per_level, self.width),
             "phases": directions.PHASES, "cone_turn": directions.CONE_TURN, "phase_turn": directions.PHASE_TURN,
-            "tile": self.tile, "screen": float(self.screen), "screen_steps": screen.steps_of(self.screen),
+            "tile": self.tile, "sets": self.sets, "among": self.among,
+            "screen": float(self.screen), "screen_steps": screen.steps_of(self.screen),
             "clearance": screen.CLEARANCE, "golden": GOLDEN, "bounces": self.bounces,
         }  # fmt: skip
 

@@ -16,7 +16,7 @@ from ....gpu.profiler import Profiler
 from ....simulator.camera import unpack_normals
 from ....simulator.grid import Grid
 from ....simulator.voxels.surfaces import DIRECTIONS
-from ..cones.gathering import VOXELS_OF
+from ..cones.gathering import VOXELS_OF, voxels_of
 from ..octree.octree import directory_binding
 from ..voxels.structure import VoxelOctree
 from .contents import keys_of
@@ -54,7 +54,7 @@ class Drawing:
         with profiler.frame(), profiler.stage("draw voxels") as stage:
             self._draw.run(
                 stage, frame.pixels, views=frame.buffers["views"], directory=self.octree.octree.directory, met_out=out,
-                voxels_of=self.device.uniform("voxel views", VOXELS_OF.pack(origin=grid.origin, size=grid.cell_size)),
+                voxels_of=self.device.uniform("voxel views", voxels_of(grid)),
                 facing=self.octree.bricks.facing.resource,
             )  # fmt: skip
         key, way, distance = np.moveaxis(self.device.read_texture(out, np.uint32, 4)[..., :3], 2, 0)
