@@ -1,18 +1,28 @@
 // Voxels without an octree, for cones: the six ways of simulator/voxels/facing.py side by side, radiance times facing and
 // facing, levels as mip levels.
 
-fn sample_voxels(position: vec3f, level: u32, direction: vec3f) -> vec4f {
+fn against(position: vec3f, level: u32, direction: vec3f) -> array<vec4f, 3> {
     let edge = {{ 2 ** depth }}.0 / f32(1u << level);
     let at = clamp(position / f32(1u << level), vec3f(0.5), vec3f(edge - 0.5)) / edge;
-    var found = vec4f(0.0);
+    var found: array<vec4f, 3>;
     {% for axis in "xyz" %}
     {
         let way = select({{ 2 * loop.index0 }}.0, {{ 2 * loop.index0 + 1 }}.0, direction.{{ axis }} > 0.0);
         let place = vec3f((way + at.x) / 6.0, at.yz);
-        found += abs(direction.{{ axis }}) * textureSampleLevel(facing_volume, facing_sampler, place, f32(level));
+        found[{{ loop.index0 }}] = abs(direction.{{ axis }}) * textureSampleLevel(facing_volume, facing_sampler, place, f32(level));
     }
     {% endfor %}
     return found;
+}
+
+fn sample_voxels(position: vec3f, level: u32, direction: vec3f) -> vec4f {
+    let found = against(position, level, direction);
+    return found[0] + found[1] + found[2];
+}
+
+fn facing_voxels(position: vec3f, level: u32, direction: vec3f) -> vec3f {
+    let found = against(position, level, direction);
+    return vec3f(found[0].a, found[1].a, found[2].a);
 }
 
 fn is_empty(position: vec3f, level: u32) -> bool {

@@ -8,17 +8,28 @@ fn read_way(node: Node, way: u32, scales: u32, within: vec3f, over: vec3f) -> ve
     return select(vec4f(scale * found.rgb, found.a), vec4f(0.0), brick == NO_NODE);
 }
 
-fn sample_node(number: u32, place: Place, direction: vec3f) -> vec4f {
+// The same of those that look against `direction`, across each axis times its part of it.
+fn read_against(number: u32, place: Place, direction: vec3f) -> array<vec4f, 3> {
     let node = load_nodes(number);
     let over = 1.0 / vec3f(textureDimensions(bricks));
-    var sum = vec4f(0.0);
+    var found: array<vec4f, 3>;
     {% for axis in "xyz" %}
     {
         let up = direction.{{ axis }} < 0.0;
         let way = {{ 2 * loop.index0 }}u + select(1u, 0u, up);
         let scales = select(node.scales_down, node.scales_up, up);
-        sum += abs(direction.{{ axis }}) * read_way(node, way, scales, place.within, over);
+        found[{{ loop.index0 }}] = abs(direction.{{ axis }}) * read_way(node, way, scales, place.within, over);
     }
     {% endfor %}
-    return sum;
+    return found;
+}
+
+fn sample_node(number: u32, place: Place, direction: vec3f) -> vec4f {
+    let found = read_against(number, place, direction);
+    return found[0] + found[1] + found[2];
+}
+
+fn facing_node(number: u32, place: Place, direction: vec3f) -> vec3f {
+    let found = read_against(number, place, direction);
+    return vec3f(found[0].a, found[1].a, found[2].a);
 }

@@ -1,7 +1,9 @@
 // Cones through voxels (simulator/voxels/cones.py). They know nothing of how voxels are kept but
 //     fn sample_voxels(position: vec3f, level: u32, direction: vec3f) -> vec4f
 // of file `voxels`: what is met around `position`, in voxels of level 0 from the cube's corner and inside it, on a way along
-// the unit vector that is as long as an edge of the level's voxels: radiance times opacity, and opacity. Trilinear.
+// the unit vector that is as long as an edge of the level's voxels: radiance times opacity, and opacity. Trilinear. And of
+//     fn facing_voxels(position: vec3f, level: u32, direction: vec3f) -> vec3f
+// the opacity of three such ways along the axes, times the parts of `direction`, whose signs say where they go.
 //
 // With `noted` a shader has
 //     fn note(position: vec3f, towards: vec3f, level: f32, step: f32, found: vec4f, before: Traced)

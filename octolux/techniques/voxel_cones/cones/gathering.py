@@ -38,7 +38,8 @@ def voxels_of(grid: Grid, sample: int = 0) -> np.ndarray:
 class Voxels:
     """How shaders read voxels: (2^depth)^3 of level 0, 2^3 of the coarsest.
 
-    file: WGSL from the package's folder with `sample_voxels` (cones.wgsl says what it is), and, where `skips`, with
+    file: WGSL from the package's folder with `sample_voxels` and `facing_voxels` (cones.wgsl says what they are), and,
+    where `skips`, with
 
         fn is_empty(position: vec3f, level: u32) -> bool
 

@@ -16,12 +16,7 @@ fn cone_start(place: vec3f, geometric: vec3f, to_eye: vec3f) -> vec3f {
     let start = place + {{ offset }} * geometric;
     let clear = lifted(start, geometric, {{ offset }}, 1.0);
     let away = -sign(to_eye);
-    let hidden = vec3f(
-        {% for way in ("away.x, 0.0, 0.0", "0.0, away.y, 0.0", "0.0, 0.0, away.z") %}
-        sample_voxels(clear, 0u, vec3f({{ way }})).a,
-        {% endfor %}
-    );
-    let aside = -away * min(hidden, vec3f(1.0));
+    let aside = -away * min(facing_voxels(clear, 0u, away), vec3f(1.0));
     return start + aside - dot(aside, geometric) * geometric;
 }
 

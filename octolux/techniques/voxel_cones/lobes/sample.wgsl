@@ -34,3 +34,11 @@ fn sample_node(number: u32, place: Place, direction: vec3f) -> vec4f {
     let opacity = dot(abs(direction), select(down, up, against));
     return vec4f(scale_of(node.scales_up & 255u) * share * light.rgb, opacity);
 }
+
+fn facing_node(number: u32, place: Place, direction: vec3f) -> vec3f {
+    let over = 1.0 / vec3f(textureDimensions(bricks));
+    let texel = vec3f(brick_texel(load_nodes(number).first)) + place.within;
+    let second = textureSampleLevel(bricks, brick_sampler, over * (texel + vec3f(3.0, 0.0, 0.0)), 0.0);
+    let third = textureSampleLevel(bricks, brick_sampler, over * (texel + vec3f(6.0, 0.0, 0.0)), 0.0);
+    return abs(direction) * select(third.yzw, vec3f(second.zw, third.x), direction < vec3f(0.0));
+}

@@ -72,7 +72,7 @@ fn scale_code(brightest: f32) -> u32 {
 fn scale_of(code: u32) -> f32 { return bitcast<f32>((code + 380u) << 21u); }
 
 {% if "nodes" in reads %}
-// `sample`, of the representation, has sample_node.
+// `sample`, of the representation, has sample_node and facing_node.
 //
 // position: in voxels of level 0 from the cube's corner, inside it. Of a level the cell of 2^3 voxels' edges around it,
 // whose corners are middles of voxels; half a voxel from the border inwards the outermost voxels hold. A filter's weights have
@@ -103,5 +103,13 @@ fn sample_voxels(position: vec3f, level: u32, direction: vec3f) -> vec4f {
     let number = node_of(place.code);
     if number == NO_NODE { return vec4f(0.0); }
     return sample_node(number, place, direction);
+}
+
+// Opacity alone of ways along each axis: what faces against the parts of `direction`, times these.
+fn facing_voxels(position: vec3f, level: u32, direction: vec3f) -> vec3f {
+    let place = place_at(position, level);
+    let number = node_of(place.code);
+    if number == NO_NODE { return vec3f(0.0); }
+    return facing_node(number, place, direction);
 }
 {% endif %}
