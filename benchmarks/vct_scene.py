@@ -54,7 +54,7 @@ class Watched:
         technique, s = self.technique, self.technique.settings
         cones = DiffuseCones(
             technique.device, technique.voxels, replace(technique.wide, screen=0.0),
-            resolution=technique.sharing.resolution, offset=s.offset, cover=s.cover, sky=sky,
+            resolution=technique.diffuse.resolution, offset=s.offset, cover=s.cover, sky=sky,
         )  # fmt: skip
         frame = self._frame()
         cones.prepare(frame.pixels)

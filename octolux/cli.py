@@ -129,13 +129,19 @@ def render(
         anti_aliasing=anti_aliasing, sequence=plan.filtered, tone_map=tone_map, transparent=alpha,
         default_light=default_light,
     )  # fmt: skip
-    views = renderer.technique.debug_views()
     if debug == _LIST:
-        _say(views.lines() or ["this technique has no debug views"])
+        _say(renderer.technique.debug_views().lines() or ["this technique has no debug views"])
         return
-    check_views(views, files)
-    _make(plan, Timeline(renderer, loaded, fps, first=plan.frames[0], camera=camera, clip=clip), stats)
-    _say(f"wrote {path}" for path in write_views(renderer.technique.debug_views(), files))
+    timeline = Timeline(renderer, loaded, fps, first=plan.frames[0], camera=camera, clip=clip)
+    _make_with_views(plan, timeline, stats, files)
+
+
+def _make_with_views(plan: Plan, timeline: Timeline, stats: Path | None, files: list[tuple[str, Path]]) -> None:
+    """Make all pictures, and of the last frame the debug views."""
+    technique = timeline.renderer.technique
+    check_views(technique.debug_views(), files)
+    _make(plan, timeline, stats)
+    _say(f"wrote {path}" for path in write_views(technique.debug_views(), files))
 
 
 def _file_options(bits: int, alpha: bool, layers: str | None, settings: Settings) -> FileOptions:

@@ -256,8 +256,12 @@ def test_wrong_values(device, wrong):
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"count": 3}, {"width": 0.0}, {"per_level": 9}, {"tile": 3}, {"screen": -1.0}, {"screen": 65.0}]
-)
+    "wrong",
+    [
+        {"count": 3}, {"width": 0.0}, {"per_level": 9}, {"tile": 3}, {"screen": -1.0}, {"screen": 65.0},
+        {"among": 2}, {"tile": 2, "among": 3}, {"tile": 1, "among": 0},
+    ],
+)  # fmt: skip
 def test_wrong_cones(wrong):
     with pytest.raises(OctoluxError, match=r"not"):
         WideCones(**wrong)

@@ -11,7 +11,7 @@ from ..technique import Technique
 from .bricks.reading import Reading
 from .cones.diffuse import DiffuseCones
 from .cones.gathering import Voxels
-from .cones.sharing import USUAL_SIZE, Sharing, sharing
+from .cones.sharing import Sharing, sharing
 from .cones.specular import SpecularCones
 from .cones.wide import WideCones
 from .light.bounces import Bounces
@@ -33,6 +33,8 @@ class VoxelCones(Technique):
     needs = frozenset({"rsm"})
     supports = frozenset({"dynamic geometry", "dynamic lights", "diffuse", "glossy", "occlusion"})
     settings: VoxelConesSettings
+    wide: WideCones
+    diffuse: DiffuseCones
 
     def __init__(self, device: Device, settings: VoxelConesSettings):
         super().__init__(device, settings)
@@ -47,7 +49,7 @@ class VoxelCones(Technique):
             "offset": s.offset, "cover": s.cover, "sky": s.sky, "attenuation": s.attenuation,
         }  # fmt: skip
         self.gathers_sky = s.sky
-        self._share(sharing(s.resolution, s.tile, USUAL_SIZE))
+        self._shared: Sharing | None = None
         self.specular: SpecularCones | None = None
         if s.glossy:
             self.specular = SpecularCones(
@@ -56,9 +58,11 @@ class VoxelCones(Technique):
         self._follow()
 
     def _share(self, shared: Sharing) -> None:
-        """Diffuse cones that so many pixels share."""
+        """Make diffuse cones that so many pixels share, unless these are they."""
+        if shared == self._shared:
+            return
         s = self.settings
-        self.sharing = shared
+        self._shared = shared
         self.wide = WideCones(s.cones, s.samples, s.width, shared.tile, shared.among, s.screen, s.bounces)
         self.diffuse = DiffuseCones(
             self.device, self.voxels, self.wide, resolution=shared.resolution, reach=s.ambient_distance, **self._start
@@ -88,9 +92,7 @@ class VoxelCones(Technique):
     def prepare(self, frame: Frame) -> None:
         if self.parts.prepare(frame.gpu_scene):
             self._follow()
-        shared = sharing(self.settings.resolution, self.settings.tile, frame.pixels, frame.samples)
-        if shared != self.sharing:
-            self._share(shared)
+        self._share(sharing(self.settings.resolution, self.settings.tile, frame.pixels, frame.samples))
         self.diffuse.prepare(frame.pixels)
         frame.irradiance = self.diffuse.irradiance
         if self.wide.screen:

@@ -80,7 +80,7 @@ class Gathering:
                 f"Cones have a resolution of {RESOLUTIONS}, an offset of 0 to 4 voxels and a cover of {cones.COVERS}, "
                 f"not {resolution}, {offset} and '{cover}'."
             )
-        self.device, self._resolution = device, resolution
+        self.device, self.resolution = device, resolution
         self._of = device.uniform("voxel cones", VOXELS_OF.array(1))
         self._seen = [views_binding(), texture("surface_map", "uint"), texture("depth_map")]
         self._attenuation, self._reach = attenuation, reach
@@ -117,7 +117,7 @@ class PictureCones(Gathering, ABC):
         if self._made_for == pixels:
             return
         self._made_for = pixels
-        size = tuple(-(-side // self._resolution) for side in pixels)
+        size = tuple(-(-side // self.resolution) for side in pixels)
         self._light = self._texture("voxel cones", size, "rgba32float")
         self._place = self._texture("voxel cones", size, "rgba32float") if raw else None
         self._make(pixels)

@@ -50,21 +50,21 @@ class SpecularCones(PictureCones):
 
     def prepare(self, pixels: tuple[int, int]) -> None:
         """Make room for pictures of this size."""
-        self._textures(pixels, raw=self._resolution > 1)
+        self._textures(pixels, raw=self.resolution > 1)
 
     def _make(self, pixels: tuple[int, int]) -> None:
-        self.specular = self._light if self._resolution == 1 else self._texture("voxel cones", pixels, "rgba32float")
+        self.specular = self._light if self.resolution == 1 else self._texture("voxel cones", pixels, "rgba32float")
 
     def run(self, stage: Any, frame: Frame, grid: Grid, **voxels: Any) -> None:
         """Write `specular`. grid: of the voxels; voxels: what the bindings of `Voxels` name."""
         around = frame.surroundings_map.resources
         table = {"brdf_table": around["brdf_table"]}
-        out = {"light_out": self._light, **({"place_out": self._place} if self._resolution > 1 else {})}
+        out = {"light_out": self._light, **({"place_out": self._place} if self.resolution > 1 else {})}
         self._trace.run(
             stage, self._light.size[:2], **self._resources(frame, grid), **voxels, **(around if self._sky else table),
             **out,
         )  # fmt: skip
-        if self._resolution > 1:
+        if self.resolution > 1:
             self._reflect.run(
                 stage, frame.pixels, **seen_by(frame), **table, light_map=self._light, place_map=self._place,
                 specular_out=self.specular,

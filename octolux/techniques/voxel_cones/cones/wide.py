@@ -52,6 +52,10 @@ class WideCones:
                 f"Tiles are {TILES} pixels wide, and cones go 0 to {MOST_SCREEN:g} voxels on the screen, "
                 f"not {self.tile} and {self.screen}."
             )
+        if self.among < 1 or directions.PHASES // self.tile**2 % self.among:
+            raise OctoluxError(
+                f"A pixel's {directions.PHASES // self.tile**2} sets cannot be shared alike by {self.among} samples."
+            )
 
     @property
     def sets(self) -> int:

@@ -57,7 +57,7 @@ class PixelCones(Gathering):
         if not all(0 <= at < most for at, most in zip(pixel, frame.pixels, strict=True)):
             width, height = frame.pixels
             raise OctoluxError(f"Pixels are 0:0 to {width - 1}:{height - 1}, not {pixel[0]}:{pixel[1]}.")
-        column, row = (at // self._resolution for at in pixel)
+        column, row = (at // self.resolution for at in pixel)
         profiler, label = Profiler(self.device, "off"), "voxel views"
         out = self.device.buffer(label, size=CONE_SAMPLE.size * ROOM * self._cones)
         counts = self.device.buffer(label, size=4 * self._cones)

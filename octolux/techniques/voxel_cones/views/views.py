@@ -159,7 +159,7 @@ class VoxelViews:
         technique, frame = self._technique, self._frame
         s = technique.settings
         traced = PixelCones(
-            technique.device, technique.voxels, technique.wide, step=s.step, resolution=technique.sharing.resolution,
+            technique.device, technique.voxels, technique.wide, step=s.step, resolution=technique.diffuse.resolution,
             offset=s.offset, cover=s.cover, glossy=s.glossy, attenuation=s.attenuation,
         )  # fmt: skip
         at = pixel or (frame.pixels[0] // 2, frame.pixels[1] // 2)
