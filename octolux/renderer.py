@@ -18,6 +18,7 @@ from .frame.frame import Frame, FrameBuffers, Targets, TracedPaths
 from .frame.gbuffer import GBufferPass
 from .frame.lights import light_set
 from .frame.medium import MediumBuffers
+from .frame.peeling import PeelingPass
 from .frame.rsm import RSMPass
 from .frame.settings import FrameSettings
 from .frame.shadows import ShadowMapPass
@@ -102,6 +103,7 @@ class Renderer:
         self._failed = False  # the last frame: what is kept of it may never have been made
         self._passes_of = -1
         self._rsm: RSMPass | None = None  # made when a technique needs it
+        self._peeling: PeelingPass | None = None  # made when a technique asks for further layers
         self._fog: FogPass | None = None  # made when a scene has a medium
         self._emitters_of: tuple = ()
         self._emitting: list[EmitterLight] = []
@@ -201,7 +203,14 @@ class Renderer:
                 with_surfaces = "surfaces" in technique.needs
                 self._rsm = RSMPass(self.device, self.gpu_scene, self.frame_settings, with_surfaces)
             self._rsm.run(frame, self._shadow_maps)
+            self._peel(frame, self._rsm)
         technique.update(frame)
+
+    def _peel(self, frame: Frame, rsm: RSMPass) -> None:
+        layers = self.technique.lamp_layers, self.technique.camera_layers
+        if max(layers) > 1:
+            self._peeling = self._peeling or PeelingPass(self.device, self.gpu_scene, self._gbuffer.visibility)
+            self._peeling.run(frame, self._shadow_maps, rsm, *layers)
 
     def _begin(
         self, wanted: str | int | Camera | None, samples: int, profiler: Profiler, metering: bool = False
@@ -214,7 +223,7 @@ class Renderer:
             visibility = VisibilityPass(self.device, gpu_scene)
             self._gbuffer = GBufferPass(self.device, gpu_scene, visibility)
             self._shadow_maps = ShadowMapPass(self.device, visibility)
-            self._rsm = None
+            self._rsm = self._peeling = None
             self._passes_of = gpu_scene.version
         soft: list[Light] = []
         if self.technique.soft_light and not self.technique.replaces_direct:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import wgpu
@@ -21,26 +21,36 @@ from .views import View
 from .visibility import DrawList
 from .volume_light import VolumeLight
 
+if TYPE_CHECKING:
+    from .peeling import LampLayer
+
 TEXTURE, STORAGE = wgpu.TextureUsage.TEXTURE_BINDING, wgpu.TextureUsage.STORAGE_BINDING
 RENDER, COPY = wgpu.TextureUsage.RENDER_ATTACHMENT, wgpu.TextureUsage.COPY_SRC
 
 
-class Targets:
+class CameraSees:
+    """A layer of what the camera sees: triangle numbers, their raster depth, G-buffer and depth along the axis."""
+
+    def __init__(self, device: Device, width: int, height: int, prefix: str = ""):
+        self.size = (width, height)
+
+        def make(label: str, format: str, usage: int) -> Any:
+            return device.texture(prefix + label, self.size, format, usage=usage | TEXTURE | COPY)
+
+        self.ids = make("visibility", "r32uint", RENDER)
+        self.raster_depth = make("raster depth", "depth32float", RENDER)
+        self.surface = make("G-buffer", "rgba32uint", STORAGE)
+        self.depth = make("depth", "r32float", STORAGE)
+
+
+class Targets(CameraSees):
     """The pictures that the shared passes write, of one size."""
 
     def __init__(self, device: Device, width: int, height: int):
-        self.size = (width, height)
-
-        def make(label: str, format: str, usage: int = STORAGE) -> Any:
-            return device.texture(label, self.size, format, usage=usage | TEXTURE | COPY)
-
-        self.ids = make("visibility", "r32uint", RENDER)
-        self.raster_depth = device.texture("raster depth", self.size, "depth32float", usage=RENDER)
-        self.surface = make("G-buffer", "rgba32uint")
-        self.depth = make("depth", "r32float")
-        self.direct = make("direct light", "rgba32float")
-        self.radiance = make("radiance", "rgba32float")
-        self.display = make("display", "rgba8unorm")
+        super().__init__(device, width, height)
+        self.direct = self._more(device, "direct light")
+        self.radiance = self._more(device, "radiance")
+        self.display = self._more(device, "display", "rgba8unorm")
         self.emissive: Any = None
         self.direct_diffuse: Any = None
         self._other_radiance: Any = None
@@ -87,6 +97,7 @@ class Frame:
     RSMs: each light's [layer][row][column], of which vpl_ranges says first and number, and vpl_widths the length of
     a row.  vpl_surfaces: texture of words (gpu/records.py), the traits of the VPLs' surfaces (traits.py), set when it
     needs "surfaces".
+    lamp_layers, camera_layers: what lies behind that, layer by layer (peeling.py), as many as the technique asks for.
     irradiance: rgba32float texture a technique writes: irradiance before albedo, and ambient visibility in alpha;
     specular: radiance already weighted by the BRDF. None is black.
     radiance: rgba32float texture of a technique that makes the whole picture: radiance, and coverage in alpha;
@@ -117,6 +128,8 @@ class Frame:
     vpl_surfaces: Any = None
     vpl_ranges: list[tuple[int, int]] = field(default_factory=list)
     vpl_widths: list[int] = field(default_factory=list)
+    lamp_layers: Sequence[LampLayer] = ()
+    camera_layers: Sequence[CameraSees] = ()
     irradiance: Any = None
     specular: Any = None
     radiance: Any = None

@@ -40,6 +40,7 @@ class RSMPass:
         self._scene, self._blocks = scene, (stride, COARSE_BLOCK)
         self._variants: dict[tuple[int, bool | None, bool], ComputePass] = {}
         self._sets = [device.uniform("RSM set", RSM_SET.array(1)) for _ in self._blocks]
+        self._sets_of_views: list[Any] = []
 
     def _variant(self, number: int, frame: Frame) -> ComputePass:
         medium, inverse_square = frame.medium, frame.settings.inverse_square
@@ -76,9 +77,6 @@ class RSMPass:
         if not any(layers) or self._are_kept(frame, shadow_maps):
             return
         places = ((1, 0), (1 + layers[0], counts[0]))
-        others = {"vpls": self._vpls, **({"surfaces": self._surfaces} if self._with_surfaces else {})}
-        if frame.medium:
-            others |= frame.medium.resources
         with frame.profiler.stage("RSM surfaces") as stage:
             for number, maps in enumerate((shadow_maps.main, shadow_maps.coarse)):
                 first_view, first_vpl = places[number]
@@ -86,11 +84,30 @@ class RSMPass:
                     first_view=first_view, first_vpl=first_vpl, emitters=number
                 ))  # fmt: skip
                 if layers[number]:
-                    edge = self._edges[number]
-                    self._variant(number, frame).run(
-                        stage, (edge, edge, layers[number]), frame.gpu_scene.resources, views=frame.buffers["views"],
-                        lights=frame.buffers["lights"], maps=self._sets[number], shadow_ids=maps.ids, **others,
-                    )  # fmt: skip
+                    self._write(stage, frame, number, layers[number], self._sets[number], maps.ids, self._vpls,
+                                self._surfaces)  # fmt: skip
+
+    def of_view(self, stage: Any, frame: Frame, view: int, ids: Any, vpls: Any, surfaces: Any) -> None:
+        """Write where those of one lamp's view are in `frame.vpls` the same of other triangles `ids` (an array of one
+        layer), into `vpls` and `surfaces`. view: its number among the views that have maps of full resolution."""
+        if view == len(self._sets_of_views):
+            self._sets_of_views.append(self.device.uniform("RSM set", RSM_SET.array(1)))
+        place, first = self._sets_of_views[view], view * self._edges[0] ** 2
+        self.device.write(place, RSM_SET.pack(first_view=1 + view, first_vpl=first, emitters=0))
+        self._write(stage, frame, 0, 1, place, ids, vpls, surfaces)
+
+    def _write(
+        self, stage: Any, frame: Frame, number: int, layers: int, place: Any, ids: Any, vpls: Any, surfaces: Any
+    ) -> None:  # fmt: skip
+        """Of set `number`, from as many layers of `ids`. place: uniform buffer of RSM_SET."""
+        edge = self._edges[number]
+        others = {"vpls": vpls, **({"surfaces": surfaces} if self._with_surfaces else {})}
+        if frame.medium:
+            others |= frame.medium.resources
+        self._variant(number, frame).run(
+            stage, (edge, edge, layers), frame.gpu_scene.resources, views=frame.buffers["views"],
+            lights=frame.buffers["lights"], maps=place, shadow_ids=ids, **others,
+        )  # fmt: skip
 
     def _are_kept(self, frame: Frame, shadow_maps: ShadowMapPass) -> bool:
         """Whether the VPLs are what would be made: all that they are made of is as it was."""

@@ -20,7 +20,7 @@ from ..gpu_scene.packing import pack_colors
 from ..gpu_scene.structs import INSTANCE, ITEM
 
 if TYPE_CHECKING:
-    from .frame import Frame
+    from .frame import CameraSees, Frame
 
 ROOT_STEP = 0.5 / 255
 STEPS_PER_OCTAVE = 4
@@ -42,11 +42,11 @@ def pixel_bindings() -> list[Binding]:
     ]  # fmt: skip
 
 
-def pixel_resources(frame: Frame) -> dict[str, Any]:
-    """What to bind there, of this frame."""
-    tables = frame.gpu_scene.resources
+def pixel_resources(frame: Frame, seen: CameraSees | None = None) -> dict[str, Any]:
+    """What to bind there, of this frame, or of the layer `seen` of it."""
+    tables, layer = frame.gpu_scene.resources, seen or frame.targets
     return {
-        "id_map": frame.targets.ids, "surface_map": frame.targets.surface,
+        "id_map": layer.ids, "surface_map": layer.surface,
         "items": tables["items"], "instances": tables["instances"],
     }  # fmt: skip
 

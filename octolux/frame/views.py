@@ -44,6 +44,11 @@ class View:
         return self.near if self.perspective else 1.0 / (self.far - self.near)
 
     @property
+    def mirrored(self) -> bool:
+        """Whether triangles change their winding in it, as they do in faces of cube maps (simulator/rsm.py)."""
+        return bool(np.cross(self.right, self.up) @ self.forward > 0.0)
+
+    @property
     def view_projection(self) -> np.ndarray:
         """World to clip space, float64 (4, 4)."""
         rows = np.zeros((4, 4))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..gpu.bindings import storage, uniform_window
+from ..gpu.bindings import storage, texture, uniform_window
 from ..gpu.device import Device
 from ..gpu.passes import RasterPass
 from ..gpu_scene.clusters import CLUSTER_TRIANGLES
@@ -57,28 +57,39 @@ def draw_list(
 class VisibilityPass:
     """Draws the scene into depth maps and, where asked, triangle numbers (r32uint, 0 = nothing).
 
-    Variants by alpha mask, culling of back faces (cameras only: a light is stopped by both sides) and ids are built
-    when first used.
+    Variants by alpha mask, culling of back faces (cameras and further layers only: a light is stopped by both sides),
+    ids, and depth peeling are built when first used.
     """
 
     def __init__(self, device: Device, scene: GpuScene):
         self.device, self.scene = device, scene
-        self._variants: dict[tuple[bool, bool, bool], RasterPass] = {}
+        self._variants: dict[tuple[bool, ...], RasterPass] = {}
 
-    def _variant(self, masked: bool, cull: bool, ids: bool) -> RasterPass:
-        key = (masked, cull, ids)
+    def _variant(self, masked: bool, cull: bool, ids: bool, peels: bool, mirrored: bool) -> RasterPass:
+        key = (masked, cull, ids, peels, mirrored)
         if key not in self._variants:
             self._variants[key] = RasterPass(
                 self.device, "visibility", "frame/visibility.wgsl",
-                [storage("drawn", "u32"), uniform_window("view", RASTER_VIEW)],
+                [storage("drawn", "u32"), uniform_window("view", RASTER_VIEW),
+                 *([texture("nearer", "depth")] if peels else [])],
                 structs=[RASTER_VIEW, VIEW], shared=self.scene.bindings, color_format="r32uint" if ids else None,
-                fragment=masked or ids, cull=cull, masked=masked, writes_id=ids, **surface_values(self.scene),
+                fragment=masked or ids, cull=cull, mirrored=mirrored, masked=masked, writes_id=ids, peels=peels,
+                **surface_values(self.scene),
             )  # fmt: skip
         return self._variants[key]
 
-    def draw(self, stage: Any, frame: Frame, view: int, depth: Any, ids: Any | None) -> None:
-        """Draw view number `view` of the frame (0 is the camera) into `depth` and `ids` (texture views)."""
+    def draw(
+        self, stage: Any, frame: Frame, view: int, depth: Any, ids: Any | None, nearer: Any | None = None
+    ) -> None:
+        """Draw view number `view` of the frame (0 is the camera) into `depth` and `ids` (texture views).
+
+        nearer: depths of a layer, behind which the next one is drawn (with `ids`): of single-sided surfaces the fronts
+        alone, since a closed object's backs add nothing to what it blocks.
+        """
         buffers = {"drawn": frame.buffers["drawn"], "view": frame.buffers["raster_views"]}
+        peels = nearer is not None
+        if peels:
+            buffers["nearer"] = nearer
         colors = [{"view": ids, "load_op": "clear", "store_op": "store", "clear_value": (0, 0, 0, 0)}] if ids else []
         encoder = stage.begin_render_pass(
             "visibility",
@@ -90,8 +101,9 @@ class VisibilityPass:
         for bucket in range(BUCKETS):
             first, count = frame.draws.runs[view][bucket]
             if count:
-                masked, cull = bool(bucket & MASKED), view == 0 and bool(bucket & SINGLE_SIDED)
-                variant = self._variant(masked, cull, ids is not None)
+                masked, cull = bool(bucket & MASKED), (view == 0 or peels) and bool(bucket & SINGLE_SIDED)
+                mirrored = cull and frame.views[view].mirrored
+                variant = self._variant(masked, cull, ids is not None, peels, mirrored)
                 variant.bind(encoder, self.scene.resources, [view * RASTER_VIEW_STRIDE], **buffers)
                 encoder.draw(3 * CLUSTER_TRIANGLES, count, 0, first)
         encoder.end()

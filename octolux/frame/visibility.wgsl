@@ -1,8 +1,12 @@
 // Draws cluster after cluster and writes which triangle is nearest: item and triangle, plus one; 0 is nothing.
+{% if peels %}
+// Of what lies behind the map `nearer`. Depths of one triangle are the same in all renderings, to the bit, as positions are
+// invariant: it is not behind itself, and what is a step of the depth's format farther is. No bias has to be guessed.
+{% endif %}
 {{ use("shaders/surface.wgsl") }}
 
 struct Corner {
-    @builtin(position) position: vec4f,
+    @builtin(position) @invariant position: vec4f, // of one place in all variants: peeling compares depths
     @location(0) @interpolate(flat) id: u32,
     {% if masked %}
     @location(1) uv: vec2f,
@@ -74,6 +78,9 @@ fn discard_if_masked(corner: Corner) {
 {% if writes_id %}
 @fragment
 fn fragment(corner: Corner) -> @location(0) u32 {
+    {% if peels %}
+    if corner.position.z >= textureLoad(nearer, vec2u(corner.position.xy), 0) { discard; } // reverse z: less is farther
+    {% endif %}
     {% if masked %}
     discard_if_masked(corner);
     {% endif %}

@@ -95,11 +95,13 @@ class RasterPass(_Pass):
     """A vertex and fragment shader that draws triangles into a depth buffer (reverse z) and one optional colour target.
 
     Entry points are `vertex` and `fragment`; without `color_format` and `fragment` it only writes depth.
+    cull: leave out what shows its back.  mirrored: for views in which triangles change their winding.
     """
 
     def __init__(
         self, device: Device, name: str, source: str, bindings: Sequence[Binding], *, color_format: str | None,
-        fragment: bool, cull: bool, structs: Iterable[Struct] = (), shared: BindGroup | None = None, **values: Any,
+        fragment: bool, cull: bool, mirrored: bool = False, structs: Iterable[Struct] = (),
+        shared: BindGroup | None = None, **values: Any,
     ):  # fmt: skip
         visibility = wgpu.ShaderStage.VERTEX | wgpu.ShaderStage.FRAGMENT
         super().__init__(device, name, source, bindings, structs, shared, visibility, values)
@@ -109,7 +111,10 @@ class RasterPass(_Pass):
             label=name,
             layout=self.pipeline_layout,
             vertex={"module": self.module, "entry_point": "vertex", "buffers": []},
-            primitive={"topology": "triangle-list", "cull_mode": "back" if cull else "none", "front_face": "ccw"},
+            primitive={
+                "topology": "triangle-list", "cull_mode": "back" if cull else "none",
+                "front_face": "cw" if mirrored else "ccw",
+            },
             depth_stencil={"format": "depth32float", "depth_write_enabled": True, "depth_compare": "greater"},
             fragment=stage if fragment or color_format else None,
         )

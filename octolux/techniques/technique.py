@@ -20,6 +20,7 @@ class Technique(ABC):
     replaces_direct: it makes the whole picture, with direct light and what is seen of the surroundings.
     soft_light: whether emitters and the sky shine directly, past their shadow maps; False where the technique's light
     cache brings their light.
+    lamp_layers, camera_layers: of what lamps and the camera see, one behind the other, how many it takes surfels from.
     gathers_sky: whether it brings the sky's direct light too; lights that stand for it are then there for RSMs only.
     label: what the labels of its resources begin with; "" where it has none.
     """
@@ -34,6 +35,8 @@ class Technique(ABC):
 
     soft_light: bool = True
     gathers_sky: bool = False
+    lamp_layers: int = 1
+    camera_layers: int = 1
 
     def __init__(self, device: Device, settings: Settings):
         self.device, self.settings = device, settings

@@ -89,7 +89,7 @@ def test_surfels_are_in_every_window_that_holds_them(device):
     made = GeometryVolume(device, LEVELS, camera=False)
     frame = SimpleNamespace(
         vpls=record_texture(device, "vpls", VPL, len(vpls), vpls), vpl_surfaces=None, lights=SimpleNamespace(lamps=1),
-        vpl_ranges=[(0, len(vpls))], vpl_widths=[64],
+        vpl_ranges=[(0, len(vpls))], vpl_widths=[64], lamp_layers=(),
     )  # fmt: skip
     with one_stage(device) as stage:
         made.run(stage, frame, uniforms(device)[0])

@@ -35,7 +35,7 @@ def around(device, camera: int) -> SimpleNamespace:
     frame = SimpleNamespace(
         vpls=record_texture(device, "vpls", VPL, len(vpls), vpls),
         vpl_surfaces=word_texture(device, "surfaces", len(vpls), words), lights=SimpleNamespace(lamps=1),
-        vpl_ranges=[(0, len(vpls))], vpl_widths=[64],
+        vpl_ranges=[(0, len(vpls))], vpl_widths=[64], lamp_layers=(),
     )  # fmt: skip
     placed = cascades.place_windows(N, COUNT, VOLUME, CAMERAS[camera], [0.0, 0.0, 0.0])
     grids = device.uniform("grids", pack_grids(cascades.grids_of(placed, VOLUME)))

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from gpu_tools import one_stage, random_directions, scene_of, small_settings
 
+from octolux.frame.peeling import LampLayer
 from octolux.frame.structs import VPL
 from octolux.gpu.records import record_texture
 from octolux.renderer import Renderer
@@ -59,16 +61,21 @@ def blocked_levels(groups: list[np.ndarray], planes: bool) -> list[np.ndarray]:
 
 
 def run(
-    device, made: GeometryVolume, groups: list[np.ndarray], lamps: int | None = None, width: int = 1
-) -> list[np.ndarray]:
+    device, made: GeometryVolume, groups: list[np.ndarray], lamps: int | None = None, width: int = 1,
+    further: Sequence[list[np.ndarray]] = (),
+) -> list[np.ndarray]:  # fmt: skip
     """Shares [z][y][x][3] of all levels; a group is a light's VPLs in rows of `width`, and the first `lamps` lights
-    count."""
+    count. further: groups of the lights' further layers, of the same sizes."""
     starts = np.cumsum([0, *(len(g) for g in groups)])
-    vpls = VPL.array(max(1, int(starts[-1])))
-    for start, group in zip(starts, groups, strict=False):
-        vpls[start : start + len(group)] = group
+
+    def texture(groups: list[np.ndarray]):
+        vpls = VPL.array(max(1, int(starts[-1])))
+        for start, group in zip(starts, groups, strict=False):
+            vpls[start : start + len(group)] = group
+        return record_texture(device, "vpls", VPL, len(vpls), vpls)
+
     frame = SimpleNamespace(
-        vpls=record_texture(device, "vpls", VPL, len(vpls), vpls), vpl_surfaces=None,
+        vpls=texture(groups), vpl_surfaces=None, lamp_layers=[LampLayer(texture(layer), None) for layer in further],
         lights=SimpleNamespace(lamps=len(groups) if lamps is None else lamps),
         vpl_ranges=[(int(s), len(g)) for s, g in zip(starts, groups, strict=False)], vpl_widths=[width] * len(groups),
     )  # fmt: skip
@@ -97,6 +104,18 @@ def test_surfels_of_three_lights(device, made):
     for f, e in zip(found, expected, strict=True):
         np.testing.assert_allclose(f, e, rtol=1e-5, atol=most * 0.5 / 65536)
     assert 0.05 < (found[0] == 1.0).mean() < 0.95
+
+
+def test_layers_of_a_light_are_summed(device, made):
+    """As if they were one buffer's, and of all lights the most counts."""
+    rng = np.random.default_rng(11)
+    first, second, third = ([random_surfels(rng, count, 0.05) for count in (9000, 4000)] for _ in range(3))
+    found = run(device, made, first, further=[second, third])
+    together = [np.concatenate(layers) for layers in zip(first, second, third, strict=True)]
+    most = max(np.bincount(cell_numbers(g)).max() for g in together)
+    for f, e in zip(found, blocked_levels(together, has_planes(made)), strict=True):
+        np.testing.assert_allclose(f, e, rtol=1e-5, atol=most * 0.5 / 65536)
+    assert np.any(found[0] > np.maximum(*(run(device, made, layer)[0] for layer in (first, second))))
 
 
 def cell_numbers(vpls: np.ndarray) -> np.ndarray:

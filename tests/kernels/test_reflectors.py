@@ -9,6 +9,7 @@ import pytest
 from gpu_tools import one_stage, random_directions, read_buffer, scene_of, small_settings
 
 from octolux.frame import traits
+from octolux.frame.peeling import LampLayer
 from octolux.frame.structs import VPL
 from octolux.gpu.device import DeviceError
 from octolux.gpu.records import record_texture, word_texture
@@ -61,13 +62,20 @@ def arguments(vpls: np.ndarray, words: np.ndarray) -> list[np.ndarray]:
     return [position, unpack_normals(vpls["normal"][there]), area, traits.unpack_traits(words[there])[0]]
 
 
-def run(device, made: Reflectors, groups, grids=GRIDS, lamps: int | None = None, width: int = 1) -> np.ndarray:
-    """[grid][z][y][x][3][4]; a group is a light's VPLs in rows of `width`, and the first `lamps` lights count."""
-    starts = np.cumsum([0, *(len(vpls) for vpls, _ in groups)]).tolist()
+def layer_of(device, groups) -> LampLayer:
     vpls, words = (np.concatenate([g[k] for g in groups]) for k in range(2))
+    surfaces = word_texture(device, "surfaces", len(vpls), words)
+    return LampLayer(record_texture(device, "vpls", VPL, len(vpls), vpls), surfaces)
+
+
+def run(
+    device, made: Reflectors, groups, grids=GRIDS, lamps: int | None = None, width: int = 1, further=()
+) -> np.ndarray:
+    """[grid][z][y][x][3][4]; a group is a light's VPLs in rows of `width`, and the first `lamps` lights count.
+    further: groups of the lights' further layers, of the same sizes."""
+    starts, first = np.cumsum([0, *(len(vpls) for vpls, _ in groups)]).tolist(), layer_of(device, groups)
     frame = SimpleNamespace(
-        vpls=record_texture(device, "vpls", VPL, len(vpls), vpls),
-        vpl_surfaces=word_texture(device, "surfaces", len(vpls), words),
+        vpls=first.vpls, vpl_surfaces=first.surfaces, lamp_layers=[layer_of(device, layer) for layer in further],
         lights=SimpleNamespace(lamps=len(groups) if lamps is None else lamps),
         vpl_ranges=[(s, len(g[0])) for s, g in zip(starts, groups, strict=False)], vpl_widths=[width] * len(groups),
     )  # fmt: skip
@@ -130,6 +138,16 @@ def test_a_single_grid(device):
     group = random_surfels(np.random.default_rng(2), 30000, 0.1)
     found = run(device, made_of(device, 0.5, grids=1), [group], GRIDS[:1])
     check(found[0], [group], GRIDS[0], 0.5)
+
+
+def test_layers_of_a_light_are_summed(device, made):
+    """As if they were one buffer's; albedos are the mean of all."""
+    rng = np.random.default_rng(7)
+    layers = [[random_surfels(rng, count, 0.3) for count in (9000, 4000)] for _ in range(3)]
+    found = run(device, made, layers[0], further=layers[1:])
+    together = [tuple(map(np.concatenate, zip(*groups, strict=True))) for groups in zip(*layers, strict=True)]
+    for number, grid in enumerate(GRIDS):
+        check(found[number], together, grid, 0.5)
 
 
 @pytest.mark.parametrize("width", [3, 64, 1000, 5000])

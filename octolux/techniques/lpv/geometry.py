@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ...frame.frame import Frame
+from ...frame.peeling import LampLayer
 from ...frame.scene_surfels import SceneSurfels
 from ...frame.structs import VIEW, VPL, views_binding
 from ...gpu.bindings import Binding, atomic_words, storage, storage_rw, texture, uniform
@@ -52,7 +53,7 @@ class GeometryVolume:
     def __init__(self, device: Device, levels: Levels, camera: bool = True, *, planes: bool = True):
         self.device, self.levels, self.n, self._camera, self.planes = device, levels, levels.sizes[0], camera, planes
         self._cells = levels.windows * self.n**3
-        self._layers = levels.windows
+        self._windows = levels.windows
         bytes_of_sums = self._cells * (48 if planes else 12)
         self._at_once = max(1, min(_AT_ONCE, DEFAULT_LIMITS["max-storage-buffer-binding-size"] // bytes_of_sums))
         self._sides = ("fronts", "backs") if planes else ("shares",)
@@ -124,18 +125,19 @@ class GeometryVolume:
         for name in self._sides:
             stage.encoder.clear_buffer(self.volume[name], 0, self._cells * 16)  # coarser levels are written over
         buffers = list(surfel_buffers(frame, self._camera, scene))
-        one = fixed_point_wall(max((buffer.count for buffer in buffers), default=0), self.planes)
+        one = fixed_point_wall(max((buffer.total for buffer in buffers), default=0), self.planes)
         for number, buffer in enumerate(buffers):
             surfels = self._surfels_buffer(number, one, buffer.where)
             common = {"surfels": surfels, "grids": grids, "sums": self._sums}
-            threads = (walks(buffer.count, buffer.width), self._layers)
-            if buffer.vpls is None:
-                self._from_gbuffer.run(
-                    stage, threads, **common, views=frame.buffers["views"], surface_map=frame.targets.surface,
-                    depth_map=frame.targets.depth,
-                )  # fmt: skip
-            else:
-                self._from_vpls.run(stage, threads, **common, vpls=buffer.vpls)
+            threads = (walks(buffer.count, buffer.width), self._windows)
+            for layer in buffer.layers:
+                if isinstance(layer, LampLayer):
+                    self._from_vpls.run(stage, threads, **common, vpls=layer.vpls)
+                else:
+                    self._from_gbuffer.run(
+                        stage, threads, **common, views=frame.buffers["views"], surface_map=layer.surface,
+                        depth_map=layer.depth,
+                    )  # fmt: skip
             last = number % self._at_once
             if last == self._at_once - 1 or number == len(buffers) - 1:
                 merge = self._merges[self._at_once if last else 1]

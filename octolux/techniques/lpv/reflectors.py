@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ...frame.frame import Frame
+from ...frame.peeling import LampLayer
 from ...frame.scene_surfels import SceneSurfels
 from ...frame.structs import VIEW, VPL, views_binding
 from ...frame.traits import PIXEL_STRUCTS, TRAIT_VALUES, pixel_bindings, pixel_resources
@@ -48,7 +49,7 @@ class Reflectors:
         self, device: Device, levels: Levels, offset: float, camera: bool = True, *, squares: bool = False,
         places: bool = False,
     ):  # fmt: skip
-        self.device, self._camera, self._layers = device, camera, levels.windows
+        self.device, self._camera, self._windows = device, camera, levels.windows
         self._cells = cells = levels.windows * levels.sizes[0] ** 3
         room = DEFAULT_LIMITS["max-storage-buffer-binding-size"]
         if levels.cells * 48 > room:
@@ -114,15 +115,16 @@ class Reflectors:
             merge.run(stage, (self._cells,), sums=self._sums, reflectors=self.reflectors, **tints)
 
     def _scatter(self, stage: Any, frame: Frame, grids: Any, number: int, buffer: SurfelBuffer) -> None:
-        surfels, threads = self._surfels_buffer(number, buffer), (walks(buffer.count, buffer.width), self._layers)
+        surfels, threads = self._surfels_buffer(number, buffer), (walks(buffer.count, buffer.width), self._windows)
         common = {"surfels": surfels, "grids": grids, "sums": self._sums, "tints": self._tints}
-        if buffer.vpls is None:
-            self._from_gbuffer.run(
-                stage, threads, **common, views=frame.buffers["views"], depth_map=frame.targets.depth,
-                **pixel_resources(frame),
-            )  # fmt: skip
-        else:
-            self._from_vpls.run(stage, threads, **common, vpls=buffer.vpls, surfaces=buffer.surfaces)
+        for layer in buffer.layers:
+            if isinstance(layer, LampLayer):
+                self._from_vpls.run(stage, threads, **common, vpls=layer.vpls, surfaces=layer.surfaces)
+            else:
+                self._from_gbuffer.run(
+                    stage, threads, **common, views=frame.buffers["views"], depth_map=layer.depth,
+                    **pixel_resources(frame, layer),
+                )  # fmt: skip
 
     def _surfels_buffer(self, number: int, buffer: SurfelBuffer) -> Any:
         """A uniform buffer for each buffer of a frame: all are written before the first pass runs."""

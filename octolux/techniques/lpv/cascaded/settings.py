@@ -45,7 +45,12 @@ class CascadedLpvSettings(LpvSettings):
         source="CLPV 3.2",
     )  # fmt: skip
     surfels: str = surfels_setting()
-
+    layers: int = setting(
+        1, meaning="depth-peeled layers of what lamps, and the camera, see that give surfels: each is the nearest "
+        "surfaces behind the one before", unit="layers", allowed=[1, 4],
+        cost="each more than one: all maps drawn once more, 36 bytes a texel of an RSM and 28 a pixel, and its surfels",
+        source="CLPV 3, 3.2; Everitt 2001",
+    )  # fmt: skip
     ambient_occlusion: bool = setting(
         True, meaning="what is smaller than a cell shadows in screen space", unit="", allowed=(False, True),
         cost="a pass over all pixels, some 40 ms of a CPU at 640 x 360", source="CLPV 3.2, 7; GTAO",
@@ -98,6 +103,9 @@ class CascadedLpvSettings(LpvSettings):
             raise SettingsError("Steps reflect what the geometry volume blocks. Set occlusion=true, or bounces=1.")
         if self.propagation == "gather":
             self._refuse_steps()
+        if self.surfels == "scene" and self.layers > 1:
+            raise SettingsError("The scene's surfels are of all layers already. Set layers=1, or surfels=lamps or "
+            "'lamps and camera'.")  # fmt: skip
 
     def _refuse_steps(self) -> None:
         defaults = {f.name: f.default for f in dataclasses.fields(self)}

@@ -27,9 +27,11 @@ class Surfaces:
         self, device: Device, surfels: str, geometry: GeometryVolume | None, reflectors: Reflectors | None
     ):
         self.geometry, self.reflectors = geometry, reflectors
-        scene = surfels == "scene" and (geometry or reflectors)
-        self._scene = SceneSurfels(device) if scene else None
+        self._scene = SceneSurfels(device) if surfels == "scene" and self else None
         self._grids: tuple[Grid, ...] = ()
+
+    def __bool__(self) -> bool:
+        return bool(self.geometry or self.reflectors)
 
     def forget(self) -> None:
         """They are made anew in the next frame, whatever it brings."""
