@@ -67,8 +67,14 @@ class GpuScene:
 
     @property
     def static_version(self) -> int:
-        """Grows when something static began to move, appeared, vanished or got another material (history.py)."""
+        """Grows when something static began to move, appeared, vanished or became another (history.py)."""
         return self._placed.history.static_version
+
+    @property
+    def left_boxes(self) -> np.ndarray:
+        """World-space boxes (lowest and highest corners, k, 3), m, in which what had been static stood before the sync
+        that brought this `static_version`."""
+        return self._placed.left_boxes
 
     @property
     def has_changed(self) -> np.ndarray:

@@ -22,7 +22,8 @@ class InstanceHistory:
 
     moving: bool (drawn instances,).
     static_version: grows with every sync in which something static began to move, appeared, vanished or got another
-        material: who keeps surfels of static surfaces forgets them then.
+        material or mesh: who keeps surfels of static surfaces forgets them then.
+    left: bool (instances drawn before that sync,), which of the static ones were no longer what and where they were.
     has_changed: bool (drawn instances,), whose transform, mesh or material has ever been another since it appeared.
     lasting_version: grows with every sync in which something that had not changed did, or vanished, or in which
         something appeared: who keeps what is made of all that has not makes it anew then.
@@ -33,6 +34,7 @@ class InstanceHistory:
 
     def __init__(self) -> None:
         self.static_version = self.lasting_version = 0
+        self.left = np.zeros(0, bool)
         self.has_changed = np.zeros(0, bool)
         self._syncs = 0
         self._drawn: Drawn | None = None
@@ -59,19 +61,19 @@ class InstanceHistory:
         changed = np.full(len(used), self._syncs - MOVING_SYNCS, np.int64)  # who appears is static
         changed[known] = self._changed[old]
         moved, forgotten = np.zeros(len(used), bool), np.zeros(len(was_static), bool)
-        ever, other = np.zeros(len(used), bool), np.zeros(len(was_static), bool)
+        ever = np.zeros(len(used), bool)
         if before is not None:
             moved[known] = (transforms[known] != self._transforms[old]).any(axis=(1, 2))
             moved[known] |= _reshaped(before, old, drawn, known)
             forgotten[old] = moved[known] | (_ids(self._materials)[old] != _ids(used)[known])
-            other[old] = forgotten[old] | (_mesh_ids(before)[old] != _mesh_ids(drawn)[known])
-            ever[known] = self.has_changed[old] | other[old]
-            vanished = np.bincount(old, minlength=len(forgotten)) == 0
-            forgotten, other = forgotten | vanished, other | vanished
+            forgotten[old] |= _mesh_ids(before)[old] != _mesh_ids(drawn)[known]
+            ever[known] = self.has_changed[old] | forgotten[old]
+            forgotten |= np.bincount(old, minlength=len(forgotten)) == 0  # has vanished
         changed[moved] = self._syncs
         appeared = len(known) < len(used)
-        self.static_version += bool(appeared or (forgotten & was_static).any())
-        self.lasting_version += bool(appeared or (other & ~self.has_changed).any())
+        if appeared or (forgotten & was_static).any():
+            self.static_version, self.left = self.static_version + 1, forgotten & was_static
+        self.lasting_version += bool(appeared or (forgotten & ~self.has_changed).any())
         self.has_changed = ever
         self._drawn, self._transforms, self._materials, self._changed = drawn, transforms, used, changed
 

@@ -45,7 +45,10 @@ class Drawn:
 
 
 class InstanceTable:
-    """Buffers `instances` and `items`; boxes of the items for culling; and `history`, which tells what moves."""
+    """Buffers `instances` and `items`; boxes of the items for culling; and `history`, which tells what moves.
+
+    left_boxes: float64 (2, k, 3), m, lowest and highest corners, in which those stood that `history.left` names.
+    """
 
     def __init__(self, device: Device):
         self.device = device
@@ -54,6 +57,8 @@ class InstanceTable:
         self.history = InstanceHistory()
         self._rows: np.ndarray = INSTANCE.array(0)
         self._item_rows: np.ndarray = ITEM.array(0)
+        self._boxes = np.zeros((2, 0, 3))  # of the drawn instances
+        self.left_boxes = self._boxes
         self.instances: Any = None
         self.items: Any = None
 
@@ -71,7 +76,11 @@ class InstanceTable:
         self.drawn = drawn = Drawn.of(scene.instances, slots)
         transforms = np.array([i.transform for i in drawn.instances]).reshape(-1, 4, 4)
         materials = np.array([s.mesh.material for s in drawn.slots], dtype=np.int64)
+        stood, version = self._boxes, self.history.static_version
+        self._place(drawn, transforms)
         self.history.see(drawn, transforms, scene.materials)
+        if version != self.history.static_version:
+            self.left_boxes = stood[:, self.history.left]
         rows = INSTANCE.array(max(1, len(transforms)))
         items = ITEM.array(max(1, len(drawn.item_instance)))
         if len(transforms):
@@ -80,21 +89,28 @@ class InstanceTable:
             first = np.array([s.first_triangle for s in drawn.slots])
             items["first_triangle"] = drawn.item_first + first[owner]
             items["triangle_count"] = np.concatenate([s.clusters.count for s in drawn.slots])
-            low = np.concatenate([s.clusters.low for s in drawn.slots])
-            high = np.concatenate([s.clusters.high for s in drawn.slots])
-            self._low, self._high = world_boxes(low, high, transforms[owner])
             has_materials = len(table.bucket) > 0  # a scene without any is drawn in the table's empty row
             self._buckets = table.bucket[materials][owner] if has_materials else np.zeros(len(owner), np.int64)
             self._glowing = table.glowing[materials][owner] if has_materials else np.zeros(len(owner), bool)
-            self.bounds = (self._low.min(axis=0), self._high.max(axis=0))
             rows["row0"], rows["row1"], rows["row2"] = transforms[:, 0], transforms[:, 1], transforms[:, 2]
             rows["material"], rows["flipped"] = materials, np.linalg.det(transforms[:, :3, :3]) < 0
-            rows["size"], rows["moving"] = self._sizes(owner), self.history.moving
+            rows["size"], rows["moving"] = (self._boxes[1] - self._boxes[0]).max(axis=1), self.history.moving
         else:
-            self._low = self._high = np.zeros((0, 3))
             self._buckets, self._glowing = np.zeros(0, np.int64), np.zeros(0, bool)
-            self.bounds = (np.zeros(3), np.zeros(3))
         self._upload(rows, items)
+
+    def _place(self, drawn: Drawn, transforms: np.ndarray) -> None:
+        """Find the boxes of items, of instances, each of which has items that stand together, and of all."""
+        if not len(transforms):
+            self._low = self._high = np.zeros((0, 3))
+            self._boxes, self.bounds = np.zeros((2, 0, 3)), (np.zeros(3), np.zeros(3))
+            return
+        low = np.concatenate([s.clusters.low for s in drawn.slots])
+        high = np.concatenate([s.clusters.high for s in drawn.slots])
+        self._low, self._high = world_boxes(low, high, transforms[drawn.item_instance])
+        starts = np.flatnonzero(np.diff(drawn.item_instance.astype(np.int64), prepend=-1))
+        self._boxes = np.stack([np.minimum.reduceat(self._low, starts), np.maximum.reduceat(self._high, starts)])
+        self.bounds = (self._low.min(axis=0), self._high.max(axis=0))
 
     @property
     def culls(self) -> bool:
@@ -105,13 +121,6 @@ class InstanceTable:
     def item_boxes(self) -> tuple[np.ndarray, np.ndarray]:
         """float64 (items, 3) each, m: the lowest and the highest corner of each item's box, in world space."""
         return self._low, self._high
-
-    def _sizes(self, owner: np.ndarray) -> np.ndarray:
-        """float64 (drawn instances,), m: the longest edge of the box around an instance's clusters as they are posed.
-        Each has at least one, and they stand together."""
-        starts = np.flatnonzero(np.diff(owner.astype(np.int64), prepend=-1))
-        low, high = np.minimum.reduceat(self._low, starts), np.maximum.reduceat(self._high, starts)
-        return (high - low).max(axis=1)
 
     def _upload(self, rows: np.ndarray, items: np.ndarray) -> None:
         self.instances = self._brought(self.instances, "instances", self._rows, rows)

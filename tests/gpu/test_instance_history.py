@@ -103,6 +103,42 @@ def test_another_material_is_forgotten_but_does_not_move(device, seen):
     assert synced(device, scene, gpu_scene) == ([0, 0, 0], 1)
 
 
+def test_another_mesh_is_forgotten_but_does_not_move(device, seen):
+    """Whatever of it is another, where a texture or vertex colours may cut holes."""
+    scene, gpu_scene = seen
+    scene.meshes[1] = replace(scene.meshes[1], uvs=scene.meshes[1].uvs + np.float32(0.5))
+    assert synced(device, scene, gpu_scene) == ([0, 0, 0], 1)
+
+
+def test_where_static_things_stood(device, seen):
+    """Boxes as they were before they were left: of what is static, until something else is forgotten."""
+    scene, gpu_scene = seen
+    low, high = BLOCK.positions.min(axis=0), BLOCK.positions.max(axis=0)
+
+    def left(*boxes: tuple[float, float]) -> None:
+        """Boxes at such x, so many times as large as the block."""
+        gpu_scene.sync(scene)
+        expected = [[size * end + [x, 0, 0] for x, size in boxes] for end in (low, high)]
+        np.testing.assert_allclose(gpu_scene.left_boxes, np.reshape(expected, (2, -1, 3)), rtol=1e-6)
+
+    left()  # all have appeared
+    scene.instances[1] = replace(scene.instances[1], transform=at(1.1))
+    left((1.0, 1.5))
+    left((1.0, 1.5))
+    scene.instances[1] = replace(scene.instances[1], transform=at(1.3))
+    left((1.0, 1.5))  # it has moved on: nothing more is forgotten
+    del scene.instances[0]
+    left((0.0, 1.0))
+    scene.meshes[1] = bent(scene.meshes[1])
+    left((2.0, 1.5))  # the other one moves
+    for _ in range(MOVING_SYNCS):
+        left((2.0, 1.5))
+    scene.materials[0] = Material(base_color=(0.5, 0.5, 0.5))
+    left((1.3, 2.25), (2.0, 2.25))
+    scene.instances.append(Instance(0, at(3.0)))
+    left()
+
+
 def test_what_appears_or_vanishes_is_forgotten(device, seen):
     scene, gpu_scene = seen
     scene.instances.append(Instance(0, at(3.0)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,19 +11,22 @@ from ...frame.frame import Frame
 from ...frame.peeling import LampLayer
 from ...frame.scene_surfels import SceneSurfels
 from ...frame.structs import VIEW, VPL, views_binding
+from ...frame.traits import PIXEL_STRUCTS, TRAIT_VALUES, pixel_bindings, pixel_resources
 from ...gpu.bindings import Binding, atomic_words, storage, storage_rw, texture, uniform
 from ...gpu.device import Device
 from ...gpu.layout import Struct
 from ...gpu.limits import DEFAULT_LIMITS
 from ...gpu.passes import ComputePass
-from ...gpu.records import records
+from ...gpu.records import records, words
+from ...gpu_scene.structs import INSTANCE
 from ...simulator.lpv.geometry import BEHIND
 from ...simulator.rsm import MIN_COSINE
 from .constants import GRID, grids_binding
 from .downsampling import Downsampling
 from .injection import RUN, walks
+from .keeping import KeptCells
 from .levels import ROW, Levels
-from .surfels import surfel_buffers
+from .surfels import SurfelBuffer, surfel_buffers
 
 # Surfels from number `first` on, in rows of `width`. block: pixels along each side of one's block of the G-buffer.
 # sums: number of the first cell of this buffer's sums.  one: a wall in fixed point.
@@ -63,11 +67,18 @@ class GeometryVolume:
         }  # fmt: skip
         self._sums = device.buffer("LPV surfel sums", size=self._at_once * bytes_of_sums)
         self._surfels: list[Any] = []
+        self._passes: dict[tuple[bool, bool], ComputePass] = {}
         self._values: dict[str, Any] = {
             "cells": self._cells, "min_cosine": MIN_COSINE, "run": RUN, "behind": BEHIND, "grids": levels.windows,
             "planes": planes,
         }  # fmt: skip
-        self._make_surfel_passes()
+        self._merges = {  # by the number of buffers: one is all that the whole scene has, and cheaper
+            at_once: ComputePass(
+                device, "merge surfels", "techniques/lpv/surfels_merge.wgsl",
+                [uniform("surfels", SURFELS), storage_rw("sums", "u32"), *self._volume_bindings()], structs=[SURFELS],
+                workgroup=(64, 1, 1), at_once=at_once, **self._values,
+            ) for at_once in {1, self._at_once}
+        }  # fmt: skip
         self._downsampling = None
         self._coarser: list[tuple[int, ComputePass]] = []
         if planes:
@@ -81,26 +92,23 @@ class GeometryVolume:
         """Without planes."""
         return self.volume["shares"]
 
-    def _make_surfel_passes(self) -> None:
-        device, surfels, sums = self.device, uniform("surfels", SURFELS), atomic_words("sums", "u32")
-        grids = grids_binding(self.levels.windows)
-        self._from_vpls = ComputePass(
-            device, "surfels of an RSM", "techniques/lpv/surfels_rsm.wgsl",
-            [surfels, grids, records("vpls", VPL), sums], structs=[SURFELS, GRID, VPL], workgroup=(64, 1, 1),
-            **self._values,
-        )  # fmt: skip
-        self._from_gbuffer = ComputePass(
-            device, "surfels of the G-buffer", "techniques/lpv/surfels_gbuffer.wgsl",
-            [views_binding(), texture("surface_map", "uint"), texture("depth_map"), surfels, grids, sums],
-            structs=[VIEW, SURFELS, GRID], workgroup=(64, 1, 1), **self._values,
-        )  # fmt: skip
-        self._merges = {  # by the number of buffers: one is all that the whole scene has, and cheaper
-            at_once: ComputePass(
-                device, "merge surfels", "techniques/lpv/surfels_merge.wgsl",
-                [surfels, storage_rw("sums", "u32"), *self._volume_bindings()], structs=[SURFELS],
-                workgroup=(64, 1, 1), at_once=at_once, **self._values,
-            ) for at_once in {1, self._at_once}
-        }  # fmt: skip
+    def _surfel_pass(self, camera: bool, static_only: bool) -> ComputePass:
+        """Surfels of the G-buffer or an RSM. static_only: of what does not move."""
+        if (camera, static_only) not in self._passes:
+            common = [uniform("surfels", SURFELS), grids_binding(self.levels.windows), atomic_words("sums", "u32")]
+            bindings, structs = [*common, records("vpls", VPL)], [SURFELS, GRID, VPL]
+            if camera:
+                own = pixel_bindings() if static_only else [texture("surface_map", "uint")]
+                bindings = [*common, views_binding(), texture("depth_map"), *own]
+                structs = [SURFELS, GRID, VIEW, *(PIXEL_STRUCTS if static_only else ())]
+            elif static_only:
+                bindings, structs = [*bindings, words("surfaces")], [*structs, INSTANCE]
+            self._passes[camera, static_only] = ComputePass(
+                self.device, f"surfels of {'the G-buffer' if camera else 'an RSM'}",
+                f"techniques/lpv/surfels_{'gbuffer' if camera else 'rsm'}.wgsl", bindings, structs=structs,
+                workgroup=(64, 1, 1), static_only=static_only, **self._values, **(TRAIT_VALUES if static_only else {}),
+            )  # fmt: skip
+        return self._passes[camera, static_only]
 
     def _volume_bindings(self) -> list[Binding]:
         return [storage_rw(name, "vec4f") for name in self.volume]
@@ -119,12 +127,37 @@ class GeometryVolume:
             workgroup=(64, 1, 1), row=ROW, cells=levels.cells,
         )  # fmt: skip
 
-    def run(self, stage: Any, frame: Frame, grids: Any, scene: SceneSurfels | None = None) -> None:
+    def run(
+        self, stage: Any, frame: Frame, grids: Any, scene: SceneSurfels | None = None, kept: KeptCells | None = None
+    ) -> None:
         """From the RSM of each lamp, each merged by maximum (CLPV 3.2), and the G-buffer; or from the whole `scene`.
-        grids: uniform buffer of GRID, one for each window."""
-        for name in self._sides:
-            stage.encoder.clear_buffer(self.volume[name], 0, self._cells * 16)  # coarser levels are written over
+        grids: uniform buffer of GRID, one for each window.  kept: of `keeping`, which has followed the windows: what
+        static surfaces have filled in earlier frames, as one buffer more. It takes what they fill in this one."""
         buffers = list(surfel_buffers(frame, self._camera, scene))
+        if kept is None:
+            for name in self._sides:
+                stage.encoder.clear_buffer(self.volume[name], 0, self._cells * 16)  # coarser levels are written over
+            self._fill(stage, frame, grids, buffers, self.volume)
+        else:
+            moving = bool(frame.gpu_scene.is_moving.any())
+            self._fill(stage, frame, grids, buffers, kept.volume, static_only=moving)
+            kept.copy_to(stage, self.volume)
+            if moving:
+                self._fill(stage, frame, grids, buffers, self.volume)
+        if self._downsampling:
+            self._downsampling.run(stage, self.shares)
+        for half, each in self._coarser:
+            each.run(stage, (half,) * 3, **self.volume)
+
+    def keeping(self) -> KeptCells:
+        """For `run`."""
+        return KeptCells(self.device, self.levels, dict.fromkeys(self.volume, 1), BEHIND)
+
+    def _fill(
+        self, stage: Any, frame: Frame, grids: Any, buffers: Sequence[SurfelBuffer], volume: dict[str, Any],
+        static_only: bool = False,
+    ) -> None:  # fmt: skip
+        """Merge what the buffers have into `volume`, by maximum."""
         one = fixed_point_wall(max((buffer.total for buffer in buffers), default=0), self.planes)
         for number, buffer in enumerate(buffers):
             surfels = self._surfels_buffer(number, one, buffer.where)
@@ -132,20 +165,16 @@ class GeometryVolume:
             threads = (walks(buffer.count, buffer.width), self._windows)
             for layer in buffer.layers:
                 if isinstance(layer, LampLayer):
-                    self._from_vpls.run(stage, threads, **common, vpls=layer.vpls)
+                    own = {"vpls": layer.vpls, **({"surfaces": layer.surfaces} if static_only else {})}
                 else:
-                    self._from_gbuffer.run(
-                        stage, threads, **common, views=frame.buffers["views"], surface_map=layer.surface,
-                        depth_map=layer.depth,
-                    )  # fmt: skip
+                    seen = pixel_resources(frame, layer) if static_only else {"surface_map": layer.surface}
+                    own = {"views": frame.buffers["views"], "depth_map": layer.depth, **seen}
+                made = self._surfel_pass(not isinstance(layer, LampLayer), static_only)
+                made.run(stage, threads, **common, **own)
             last = number % self._at_once
             if last == self._at_once - 1 or number == len(buffers) - 1:
                 merge = self._merges[self._at_once if last else 1]
-                merge.run(stage, (self._cells,), surfels=surfels, sums=self._sums, **self.volume)
-        if self._downsampling:
-            self._downsampling.run(stage, self.shares)
-        for half, each in self._coarser:
-            each.run(stage, (half,) * 3, **self.volume)
+                merge.run(stage, (self._cells,), surfels=surfels, sums=self._sums, **volume)
 
     def pack(self, stage: Any) -> None:
         """Make `packed` of the shares and their planes."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from ...frame.frame import Frame
@@ -21,6 +22,7 @@ from ...simulator.rsm import MIN_COSINE
 from .constants import GRID, grids_binding
 from .geometry import SURFELS
 from .injection import RUN, walks
+from .keeping import KeptCells
 from .levels import Levels
 from .surfels import SurfelBuffer, surfel_buffers
 
@@ -49,7 +51,8 @@ class Reflectors:
         self, device: Device, levels: Levels, offset: float, camera: bool = True, *, squares: bool = False,
         places: bool = False,
     ):  # fmt: skip
-        self.device, self._camera, self._windows = device, camera, levels.windows
+        self.device, self.levels, self._camera, self._offset = device, levels, camera, offset
+        self._windows = levels.windows
         self._cells = cells = levels.windows * levels.sizes[0] ** 3
         room = DEFAULT_LIMITS["max-storage-buffer-binding-size"]
         if levels.cells * 48 > room:
@@ -60,24 +63,43 @@ class Reflectors:
         self._tints = device.buffer("LPV reflector sums", size=cells * (56 if places else 32))
         self.places = device.buffer("LPV reflector places", size=cells * 16) if places else None
         self._surfels: list[Any] = []
-        bindings = [uniform("surfels", SURFELS), grids_binding(levels.windows), atomic_words("sums", "u32"),
-                    atomic_words("tints", "u32")]  # fmt: skip
-        values: dict[str, Any] = {
+        self._values: dict[str, Any] = {
             "run": RUN, "grids": levels.windows, "offset": offset, "min_cosine": MIN_COSINE,
             "one": _ONE, "tint_one": _TINT_ONE, "most_walls": MOST_WALLS, "squares": squares, "places": places,
             **TRAIT_VALUES,
         }  # fmt: skip
-        self._from_vpls = ComputePass(
-            device, "reflectors of an RSM", "techniques/lpv/reflectors_rsm.wgsl",
-            [*bindings, records("vpls", VPL), words("surfaces")], structs=[SURFELS, GRID, INSTANCE, VPL],
-            workgroup=(64, 1, 1), **values,
-        )  # fmt: skip
-        self._from_gbuffer = ComputePass(
-            device, "reflectors of the G-buffer", "techniques/lpv/reflectors_gbuffer.wgsl",
-            [*bindings, views_binding(), texture("depth_map"), *pixel_bindings()],
-            structs=[SURFELS, GRID, VIEW, *PIXEL_STRUCTS], workgroup=(64, 1, 1), **values,
-        )  # fmt: skip
+        self._passes: dict[tuple[bool, bool], ComputePass] = {}
         self._merges: dict[tuple[int, bool, bool], ComputePass] = {}
+        self._joins: dict[str, ComputePass] = {}
+
+    def _surfel_pass(self, camera: bool, static_only: bool) -> ComputePass:
+        """Surfels of the G-buffer or an RSM. static_only: of what does not move."""
+        if (camera, static_only) not in self._passes:
+            bindings = [uniform("surfels", SURFELS), grids_binding(self.levels.windows), atomic_words("sums", "u32"),
+                        atomic_words("tints", "u32")]  # fmt: skip
+            if camera:
+                bindings += [views_binding(), texture("depth_map"), *pixel_bindings()]
+            else:
+                bindings += [records("vpls", VPL), words("surfaces")]
+            self._passes[camera, static_only] = ComputePass(
+                self.device, f"reflectors of {'the G-buffer' if camera else 'an RSM'}",
+                f"techniques/lpv/reflectors_{'gbuffer' if camera else 'rsm'}.wgsl", bindings,
+                structs=[SURFELS, GRID, *([VIEW, *PIXEL_STRUCTS] if camera else [INSTANCE, VPL])],
+                workgroup=(64, 1, 1), static_only=static_only, **self._values,
+            )  # fmt: skip
+        return self._passes[camera, static_only]
+
+    def _joining(self, target: str) -> ComputePass:
+        """Of `newer` and `older` into that of them which `target` is."""
+        if target not in self._joins:
+            kinds = [("", "vec4f"), *([("_places", "vec4f")] if self.places is not None else [])]
+            self._joins[target] = ComputePass(
+                self.device, "keep reflectors", "techniques/lpv/reflectors_keep.wgsl",
+                [(storage_rw if name == target else storage)(name + end, kind)
+                 for name in ("newer", "older") for end, kind in kinds],
+                workgroup=(64, 1, 1), cells=self._cells, places=self.places is not None, target=target,
+            )  # fmt: skip
+        return self._joins[target]
 
     def _merging(self, buffers: int, first: bool, last: bool) -> ComputePass:
         """The pass that merges the sums of so many buffers, the first or last of a frame among them. A software adapter
@@ -94,11 +116,44 @@ class Reflectors:
             )  # fmt: skip
         return self._merges[key]
 
-    def run(self, stage: Any, frame: Frame, grids: Any, scene: SceneSurfels | None = None) -> None:
+    def run(
+        self, stage: Any, frame: Frame, grids: Any, scene: SceneSurfels | None = None, kept: KeptCells | None = None
+    ) -> None:
         """From the RSM of each lamp and the G-buffer, or from the whole `scene`. Shares are merged by maximum, as each
         may have seen the same surface (CLPV 3.2); the albedo is the mean of all. grids: uniform buffer of GRID, one for
-        each window."""
+        each window.  kept: of `keeping`, which has followed the windows: what static surfaces have filled in earlier
+        frames. It takes what they fill in this one."""
         buffers = list(surfel_buffers(frame, self._camera, scene))
+        if kept is None:
+            self._fill(stage, frame, grids, buffers)
+            return
+        moving = bool(frame.gpu_scene.is_moving.any())
+        self._fill(stage, frame, grids, buffers, static_only=moving)
+        self._join(stage, kept, "older")
+        if moving:
+            self._fill(stage, frame, grids, buffers)
+            self._join(stage, kept, "newer")
+        else:
+            kept.copy_to(stage, self._contents)
+
+    def keeping(self) -> KeptCells:
+        """For `run`."""
+        contents = {"reflectors": 3, "places": 1}
+        return KeptCells(self.device, self.levels, {name: contents[name] for name in self._contents}, self._offset)
+
+    @property
+    def _contents(self) -> dict[str, Any]:
+        return {"reflectors": self.reflectors, **({"places": self.places} if self.places is not None else {})}
+
+    def _join(self, stage: Any, kept: KeptCells, target: str) -> None:
+        given = {"newer": self.reflectors, "older": kept.volume["reflectors"]}
+        if self.places is not None:
+            given |= {"newer_places": self.places, "older_places": kept.volume["places"]}
+        self._joining(target).run(stage, (self._cells,), **given)
+
+    def _fill(
+        self, stage: Any, frame: Frame, grids: Any, buffers: Sequence[SurfelBuffer], static_only: bool = False
+    ) -> None:
         stage.encoder.clear_buffer(self._tints)
         if not buffers:
             stage.encoder.clear_buffer(self.reflectors, 0, self._cells * 48)
@@ -106,7 +161,7 @@ class Reflectors:
             group = buffers[start : start + self._at_once]
             stage.encoder.clear_buffer(self._sums, 0, len(group) * self._cells * 24)
             for number, buffer in enumerate(group, start):
-                self._scatter(stage, frame, grids, number, buffer)
+                self._scatter(stage, frame, grids, number, buffer, static_only)
             last = start + len(group) == len(buffers)
             tints = {"tints": self._tints} if last else {}
             if last and self.places is not None:
@@ -114,17 +169,18 @@ class Reflectors:
             merge = self._merging(len(group), start == 0, last)
             merge.run(stage, (self._cells,), sums=self._sums, reflectors=self.reflectors, **tints)
 
-    def _scatter(self, stage: Any, frame: Frame, grids: Any, number: int, buffer: SurfelBuffer) -> None:
+    def _scatter(
+        self, stage: Any, frame: Frame, grids: Any, number: int, buffer: SurfelBuffer, static_only: bool
+    ) -> None:
         surfels, threads = self._surfels_buffer(number, buffer), (walks(buffer.count, buffer.width), self._windows)
         common = {"surfels": surfels, "grids": grids, "sums": self._sums, "tints": self._tints}
         for layer in buffer.layers:
             if isinstance(layer, LampLayer):
-                self._from_vpls.run(stage, threads, **common, vpls=layer.vpls, surfaces=layer.surfaces)
+                own = {"vpls": layer.vpls, "surfaces": layer.surfaces}
             else:
-                self._from_gbuffer.run(
-                    stage, threads, **common, views=frame.buffers["views"], depth_map=layer.depth,
-                    **pixel_resources(frame, layer),
-                )  # fmt: skip
+                own = {"views": frame.buffers["views"], "depth_map": layer.depth, **pixel_resources(frame, layer)}
+            made = self._surfel_pass(not isinstance(layer, LampLayer), static_only)
+            made.run(stage, threads, **common, **own)
 
     def _surfels_buffer(self, number: int, buffer: SurfelBuffer) -> Any:
         """A uniform buffer for each buffer of a frame: all are written before the first pass runs."""

@@ -72,7 +72,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             let surfel = surfel_at(number);
             let held = held_by(id.y, surfel.position, {{ offset }} * surfel.normal);
             let cell = held.cell;
-            let used = surfel.area > 0.0 && cell != NOWHERE;
+            let used = surfel.area > 0.0 && cell != NOWHERE{% if static_only %} && !unpack_traits(traits_at(number)).moving{% endif %};
             one = select(one, cell, used && one == NOWHERE);
             other = select(other, cell, used && cell != one && other == NOWHERE);
             if used && cell != one && cell != other { break; }

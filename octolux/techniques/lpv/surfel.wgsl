@@ -52,7 +52,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     loop {
         let surfel = surfel_at(start + i * surfels.width);
         let held = held_by(id.y, surfel.position, {{ -behind }} * surfel.normal);
-        let used = surfel.area > 0.0 && held.cell != NOWHERE;
+        let used = surfel.area > 0.0 && held.cell != NOWHERE{% if static_only %} && !unpack_traits(traits_at(start + i * surfels.width)).moving{% endif %};
         let next = select(cell, held.cell, used);
         let share = surfels.one * min(vec3f(1.0), abs(surfel.normal) * (surfel.area * per_cross_section(held.cell)));
         if next != cell && cell != NOWHERE { scatter(cell, {{ sums }}); }

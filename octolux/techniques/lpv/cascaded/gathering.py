@@ -45,7 +45,7 @@ class CascadedGathering:
         self.reflectors = self.bounces = None
         if s.bounces > 1 or s.glossy:
             self.reflectors = Reflectors(device, self.levels, 0.5, camera, squares=True, places=True)
-        self.surfaces = Surfaces(device, s.surfels, self.geometry, self.reflectors)
+        self.surfaces = Surfaces(device, s.surfels, self.geometry, self.reflectors, keep=s.keep_surfels)
         if s.bounces > 1:
             self.bounces = Bounces(device, self.levels, s.bounces - 1, occlusion=s.occlusion)
         self.ambient = cascades.ambient_occlusion(s.lookup_offset) if s.ambient_occlusion else None

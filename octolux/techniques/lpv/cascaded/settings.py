@@ -51,6 +51,11 @@ class CascadedLpvSettings(LpvSettings):
         cost="each more than one: all maps drawn once more, 36 bytes a texel of an RSM and 28 a pixel, and its surfels",
         source="CLPV 3, 3.2; Everitt 2001",
     )  # fmt: skip
+    keep_surfels: bool = setting(
+        False, meaning="what lamps, and the camera, have seen of static surfaces in earlier frames stays", unit="",
+        allowed=(False, True), cost="a copy of the cells a frame; while something moves surfels are counted twice. "
+        "Pictures then depend on the frames before", source="CLPV 3.2",
+    )  # fmt: skip
     ambient_occlusion: bool = setting(
         True, meaning="what is smaller than a cell shadows in screen space", unit="", allowed=(False, True),
         cost="a pass over all pixels, some 40 ms of a CPU at 640 x 360", source="CLPV 3.2, 7; GTAO",
@@ -106,6 +111,9 @@ class CascadedLpvSettings(LpvSettings):
         if self.surfels == "scene" and self.layers > 1:
             raise SettingsError("The scene's surfels are of all layers already. Set layers=1, or surfels=lamps or "
             "'lamps and camera'.")  # fmt: skip
+        if self.surfels == "scene" and self.keep_surfels:
+            raise SettingsError("The scene's surfels are all there in each frame. Set keep_surfels=false, or "
+            "surfels=lamps or 'lamps and camera'.")  # fmt: skip
 
     def _refuse_steps(self) -> None:
         defaults = {f.name: f.default for f in dataclasses.fields(self)}

@@ -42,7 +42,9 @@ class CascadedStepping:
         blocks, reflects = s.occlusion, s.bounces > 1
         self.geometry = GeometryVolume(device, self.levels, camera, planes=False) if blocks else None
         self.reflectors = Reflectors(device, self.levels, -BEHIND, camera) if reflects else None
-        self.surfaces = Surfaces(device, s.surfels, self.geometry, self.reflectors)
+        self.surfaces = Surfaces(
+            device, s.surfels, self.geometry, self.reflectors, keep=s.keep_surfels, aside=_ASIDE
+        )
         self.propagation = Propagation(
             device, self.levels.sizes, evaluation=s.evaluation, reprojection=s.reprojection, gain=s.gain,
             cell_format=s.cell_format, occlusion=blocks, bounces=s.reflection if reflects else "none",

@@ -12,6 +12,7 @@ from ....frame.scene_surfels import SceneSurfels
 from ....gpu.device import Device
 from ....simulator.grid import Grid
 from ..geometry import GeometryVolume
+from ..keeping import KeptCells
 from ..reflectors import Reflectors
 from ..surfels import SAMPLES
 
@@ -20,13 +21,17 @@ class Surfaces:
     """`geometry` and `reflectors`, where there are any.
 
     surfels: setting of that name. Of "scene" what they hold is made anew when something moves, or a grid does: it does
-    not depend on lights or on what is seen. What lamps and the camera see is new in each frame.
+    not depend on lights or on what is seen. What lamps and the camera see is new in each frame, besides what is kept.
+    keep: static surfaces that were seen in earlier frames.  aside: cells by which the cells lie off the cascades'.
     """
 
     def __init__(
-        self, device: Device, surfels: str, geometry: GeometryVolume | None, reflectors: Reflectors | None
-    ):
-        self.geometry, self.reflectors = geometry, reflectors
+        self, device: Device, surfels: str, geometry: GeometryVolume | None, reflectors: Reflectors | None, *,
+        keep: bool = False, aside: float = 0.0,
+    ):  # fmt: skip
+        self.geometry, self.reflectors, self._aside = geometry, reflectors, aside
+        self._kept = geometry.keeping() if keep and geometry else None
+        self._kept_reflectors = reflectors.keeping() if keep and reflectors else None
         self._scene = SceneSurfels(device) if surfels == "scene" and self else None
         self._grids: tuple[Grid, ...] = ()
 
@@ -36,6 +41,9 @@ class Surfaces:
     def forget(self) -> None:
         """They are made anew in the next frame, whatever it brings."""
         self._grids = ()
+        for kept in (self._kept, self._kept_reflectors):
+            if kept:
+                kept.forget()
 
     def update(self, frame: Frame, grids: Sequence[Grid], buffer: Any) -> None:
         """Bring them to what the frame shows. grids: of all cascades.  buffer: uniform buffer of GRID, where the
@@ -44,12 +52,18 @@ class Surfaces:
             return
         if self.geometry:
             with frame.profiler.stage("geometry volume") as stage:
-                self.geometry.run(stage, frame, buffer, self._scene)
+                self._follow(stage, self._kept, frame, grids)
+                self.geometry.run(stage, frame, buffer, self._scene, self._kept)
                 if self.geometry.planes:
                     self.geometry.pack(stage)
         if self.reflectors:
             with frame.profiler.stage("reflectors") as stage:
-                self.reflectors.run(stage, frame, buffer, self._scene)
+                self._follow(stage, self._kept_reflectors, frame, grids)
+                self.reflectors.run(stage, frame, buffer, self._scene, self._kept_reflectors)
+
+    def _follow(self, stage: Any, kept: KeptCells | None, frame: Frame, grids: Sequence[Grid]) -> None:
+        if kept:
+            kept.follow(stage, [grid.moved(self._aside) for grid in grids], frame.gpu_scene)
 
     def _changed(self, frame: Frame, grids: Sequence[Grid]) -> bool:
         if not self._scene:
