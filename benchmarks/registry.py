@@ -17,7 +17,7 @@ MODULES = (
     "closed_form", "injected_flux", "readings", "kernels", "light_kernels", "determinism", "ground_truth",
     "comparison", "stages", "injection", "propagation", "shadow_faces", "raytracing", "path_tracing", "crytek",
     "loading", "bad_input", "mutated", "live", "sequences", "olpv_kernels", "olpv_table1", "olpv_sparse",
-    "olpv_artefacts", "clpv_propagation", "clpv_ao", "clpv_emitted", "clpv_area", "clpv_fog",
+    "olpv_artefacts", "clpv_propagation", "clpv_peeling", "clpv_ao", "clpv_emitted", "clpv_area", "clpv_fog",
     "clpv_glossy",
     "clpv_stability", "clpv_motion", "clpv_table1", "clpv_ratios", "vct_rows", "vct_closed_forms",
     "vct_dense", "vct_motion", "vct_cost", "vct_accuracy", "vct_gathering",

@@ -12,6 +12,8 @@ import pytest
 import octolux
 from benchmarks import clpv_stability, clpv_table1
 from benchmarks.clpv_motion import cell_sizes, moving_lamp, second_differences, table_top
+from benchmarks.clpv_peeling import found_and_more
+from benchmarks.clpv_peeling import turn as turn_around
 from benchmarks.clpv_stability import Change, measured_steps, shares, slide, summary, turn
 from benchmarks.clpv_stability import Path as Way
 from benchmarks.onlooker import Onlooker
@@ -20,6 +22,23 @@ from octolux.techniques.lpv.cascaded.settings import CascadedLpvSettings
 
 SIZE = (48, 27)
 DEFAULT = CascadedLpvSettings()
+
+
+def test_what_is_found_of_what_blocks():
+    every = np.array([1.0, 0.5, 0.5, 0.0])
+    assert found_and_more(every, every) == (1.0, 0.0)
+    assert found_and_more(np.array([0.5, 0.5, 1.0, 0.1]), every) == (0.75, 0.3)
+    assert found_and_more(0.0 * every, every) == (0.0, 0.0)
+
+
+def test_a_turn_looks_all_around():
+    eye = Camera.look_at((1.0, 2.0, 3.0), (3.0, 2.5, 4.0), vertical_fov=0.8)
+    cameras = list(turn_around(eye))
+    angles = [np.arctan2(camera.forward[2], camera.forward[0]) for camera in cameras]
+    steps = np.diff([np.arctan2(eye.forward[2], eye.forward[0]), *angles])
+    np.testing.assert_allclose(np.abs((steps + np.pi) % (2 * np.pi) - np.pi), 2 * np.pi / len(cameras))
+    np.testing.assert_allclose(cameras[-1].transform, eye.transform, atol=1e-12)
+    assert all(camera.vertical_fov == eye.vertical_fov for camera in cameras)
 
 
 @pytest.mark.parametrize("text", ["uniform-lpv", "cascaded-lpv:default,bounces=1"])
