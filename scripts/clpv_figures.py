@@ -1,11 +1,12 @@
-"""Renders figures of Kaplanyan and Dachsbacher 2010 anew into docs/images: `python scripts/clpv_figures.py [6|7|12]`.
+"""Renders figures of Kaplanyan and Dachsbacher 2010 anew: `python scripts/clpv_figures.py [6|7|11|12]`, in docs/images.
 
 6: Crytek Sponza without textures: direct light; with three cascades; with the path-traced first bounce; and the
 signed difference of the last two, green where the cascades are too bright and red where they are too dark, full
 colour from the traced light's mean on. 7: one grid of 32^3 without occlusion, with it, and with bounces; above the
-paper's steps, below the default. 12: above, one grid of 30, 60, 80 and 100 m for a scene of 37 m; below, 1, 4, 8 and
-16 iterations without occlusion. All have the sun alone. They need the data folder. The traced light is kept in the
-user's cache folder.
+paper's steps, below the default. 11: indirect light with surfels of one layer that the lamp sees, of two, of the whole
+scene, and path-traced. 12: above, one grid of 30, 60, 80 and 100 m for a scene of 37 m; below, 1, 4, 8 and 16
+iterations without occlusion. But for 11 all have the sun alone, and need the data folder. The traced light of 6 is kept
+in the user's cache folder.
 """
 
 from __future__ import annotations
@@ -23,15 +24,21 @@ from octolux.compare.choices import choice
 from octolux.compare.metrics import brightness_map
 from octolux.compare.rendering import Rendering, Studio, black
 from octolux.frame.frame import FrameSettings
+from octolux.scene.builtin.shapes import box, quad
+from octolux.scene.cameras import Camera
 from octolux.scene.images.cache import cache_folder, content_key
+from octolux.scene.lights import SpotLight
 from octolux.scene.materials import Image as Texels
 from octolux.scene.materials import Material
+from octolux.scene.meshes import Instance
 from octolux.scene.scene import Scene
 from octolux.simulator.tonemap import display
 
 MAPS = FrameSettings(sky_lights=0, emitter_lights=0)
-# EV100, without textures and with: indirect light is seen, and the sunlit floor is white, as in the paper.
+# EV100, without textures and with: indirect light is seen, and the sunlit floor is white, as in the paper. FAINT: of a
+# lamp's indirect light alone.
 BRIGHT, DIM = 9.5, 8.5
+FAINT = -1.5
 ALBEDO = 0.7
 BLOCK = 5
 TRACED = "path-tracer:reference,materials=diffuse,paths=first-bounce,samples=256"
@@ -104,6 +111,24 @@ def figure_7() -> np.ndarray:
     return _rows([[shown(scene.render(choice(text))) for text in row] for row in words])
 
 
+def boxes() -> Scene:
+    """A lamp lights a red wall at its left; the right one of two boxes stands in the shadow of the other."""
+    floor, wall = ((-3, 0, 3), (4, 0, 3), (4, 0, -6), (-3, 0, -6)), ((-3, 0, 3), (-3, 0, -6), (-3, 4, -6), (-3, 4, 3))
+    before, backmost = box((-0.8, 0, 0.5), (0.8, 1.8, 1)), box((-0.7, 0, -2), (0.5, 1.1, -0.9))
+    meshes = [quad(floor), quad(wall, material=1), before, backmost]
+    materials = [Material(base_color=color, specular=0.0) for color in ((ALBEDO,) * 3, (ALBEDO, 0.2, 0.1))]
+    lamp = SpotLight(position=(0.0, 1.6, 5.0), direction=(-0.25, -0.1, -1.0), intensity=(400.0,) * 3, outer_angle=0.6)
+    return Scene(meshes=meshes, materials=materials, instances=[Instance(k) for k in range(4)], lights=[lamp])
+
+
+def figure_11() -> np.ndarray:
+    eye = Camera.look_at((4.5, 3.0, 1.5), (0.3, 0.3, -1.4), vertical_fov=0.8)
+    scene = Studio(boxes(), device(), (320, 180), eye, exposure=FAINT, frame_settings=MAPS, frames=0)
+    way = GRID.format(preset="default") + "bounces=1,glossy=false,"
+    texts = [*(f"{way}{changes}" for changes in ("surfels=lamps", "surfels=lamps,layers=2", "surfels=scene")), TRACED]
+    return _rows([[display(scene.render(choice(text)).pictures["indirect"], FAINT) for text in texts]])
+
+
 def figure_12() -> np.ndarray:
     scene = studio(base_scene("crytek"), (320, 180))
     paper = GRID.format(preset="paper")
@@ -116,7 +141,7 @@ def _rows(pictures: list[list[np.ndarray]]) -> np.ndarray:
     return np.concatenate([np.concatenate(row, axis=1) for row in pictures], axis=0)
 
 
-FIGURES = {"6": figure_6, "7": figure_7, "12": figure_12}
+FIGURES = {"6": figure_6, "7": figure_7, "11": figure_11, "12": figure_12}
 
 if __name__ == "__main__":
     sys.exit(save(FIGURES, "clpv-figure-", ""))
