@@ -46,7 +46,10 @@ RIGHT, LEFT = towards(1.0), towards(-1.0)
 
 
 def renderer(device, of: Scene, preset: str, **settings) -> Renderer:
-    settings = {"n": 16, "cascades": 2, "surfels": "lamps and camera", "keep_surfels": True, **settings}
+    settings = {
+        "n": 16, "cascades": 2, "surfels": "lamps and camera", "keep_surfels": True, "bounces": 1, "glossy": False,
+        "ambient_occlusion": False, **settings,
+    }  # fmt: skip
     return Renderer(
         of, "cascaded-lpv", preset=preset, settings=settings, size=(48, 48), device=device, exposure=0.0,
         default_light=False, frame_settings=small_settings(sky_lights=0, emitter_lights=0),

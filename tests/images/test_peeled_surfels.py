@@ -34,8 +34,10 @@ def scene(*lamps: str, hidden: bool = True) -> Scene:
 
 def rendered(device, of: Scene, preset: str = "default", **settings) -> Renderer:
     made = Renderer(
-        of, "cascaded-lpv", preset=preset, settings={"n": 16, "cascades": 2, **settings}, size=(128, 96), device=device,
-        exposure=0.0, default_light=False, profile=True, frame_settings=small_settings(
+        of, "cascaded-lpv", preset=preset, size=(128, 96), device=device, exposure=0.0, settings={
+            "n": 16, "cascades": 2, "bounces": 1, "glossy": False, "ambient_occlusion": False, **settings
+        },
+        default_light=False, profile=True, frame_settings=small_settings(
             shadow_resolution=128, rsm_resolution=128, sky_lights=0, emitter_lights=0
         ),
     )  # fmt: skip
