@@ -124,14 +124,27 @@ def test_ways_in_a_room_are_not_dimmed():
 
 @pytest.mark.parametrize("sense", [1, -1])
 def test_the_start_and_the_node_are_left_out(sense):
-    """Straight ways: none of the start's cell, the end's and the one before, and half of a larger node."""
+    """Straight ways: none of the start's cell, the end's and the one before, and half of a larger node, as far as it
+    goes on."""
     start, end = np.full((1, 3), 20.5), np.full((1, 3), 20.5)
     end[0, 1] += sense * 9.0
     for layer in range(32):
         levels, ahead = wall(1, layer + 0.5, n=32), sense * (layer - 20)
-        for size, left_out in ((1.0, 2), (4.0, 2), (8.0, 4)):
+        for size, room, left_out in ((1.0, 9.0, 2), (4.0, 9.0, 2), (8.0, 9.0, 4), (8.0, 2.5, 3), (8.0, 0.5, 2)):
             blocked = 0 < ahead < 9 - left_out + 1
-            assert cone_transmittance(levels, start, end, size) == (0.0 if blocked else 1.0), (layer, size)
+            found = cone_transmittance(levels, start, end, size, room=room)
+            assert found == (0.0 if blocked else 1.0), (layer, size, room)
+
+
+@pytest.mark.parametrize("narrower", [1, 2])
+def test_a_narrower_cone_stays_on_a_level_for_longer(narrower):
+    """A straight way through half-open layers that the finest level alone has: the steps before the one that is twice
+    as long as the cone of cells half as wide meet one each."""
+    middles = np.full((64, 64, 64, 3), 0.5)
+    levels = [Planes.sheets(middles, middles), Planes.sheets(np.zeros((32, 32, 32, 3)), middles[::2, ::2, ::2])]
+    start, way = np.full((1, 3), 8.5), np.array([0.0, 0.0, 50.0])
+    found = cone_transmittance(levels, start, start + way, 1.0, cone_length=narrower * CONE_LENGTH)
+    assert found == 0.5 ** (2.0 * CONE_LENGTH * narrower - 1.0)
 
 
 def test_mirrored_ways_pass_as_much():

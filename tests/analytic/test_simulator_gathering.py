@@ -37,12 +37,13 @@ def every_cell(n: int) -> np.ndarray:
     return np.stack(np.meshgrid(*[np.arange(n)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
-def wall(normal, cells: slice = slice(0, N), weight=1.0) -> np.ndarray:
-    """Light of a wall of radiance RADIANCE in the outermost cells that `normal` leads away from."""
+def wall(normal, cells: slice = slice(0, N)) -> np.ndarray:
+    """Light of a wall of radiance RADIANCE in the outermost cells that `normal` leads away from: at the volume's side
+    (gathering.first_moments)."""
     injected = np.zeros((N, N, N, 3, 4))
     axis = int(np.argmax(np.abs(normal)))
     layer = np.moveaxis(injected, 2 - axis, 0)[0 if normal[axis] > 0 else N - 1]
-    layer[cells, cells] = EXITANCE * H**2 / pi * sh.cosine_lobe(np.asarray(normal, dtype=float)) * weight
+    layer[cells, cells] = EXITANCE * H**2 / pi * sh.cosine_lobe(np.asarray(normal, dtype=float))
     return injected
 
 
@@ -53,14 +54,15 @@ def bound(cell: np.ndarray, nodes: list[gathering.Nodes], facing: bool) -> np.nd
     patch may also be ahead in part. With its middle in the receiver's plane the mean distance ahead is s / 8 where the
     node's is 0, which is the worst.
     """
-    sure, ahead = [], np.zeros((6, 3))
+    sure, ahead, last = [], np.zeros((6, 3)), gathering.coarsest_read(len(nodes))
     for level in nodes:
         way = cell + 0.5 - level.place
         square, size = np.maximum(np.sum(way * way, axis=-1), 1e-12), 2.0**level.level
         x, cosine = size**2 / square, np.sum(way * level.direction[:, 0], axis=-1) / np.sqrt(square)
         share = np.minimum(x * (1.0 - cosine**2) + x * x / 100.0 if facing else x, 0.99)
         sure.append(replace(level, flux=level.flux * (share / (1.0 - share))[:, None]))
-        read = gathering.takes(cell, level.cell, level.level, level.level == len(nodes) - 1) & (cosine > 0)
+        read = (cosine > 0) & (level.level <= last)
+        read &= gathering.takes(cell, level.cell, level.level, level.level == last)
         sent = level.flux * (cosine * size / 8.0 / pi / square**1.5)[:, None] / H**2
         for face in range(6):
             split = read & (np.abs(way @ DIRECTIONS[face]) < 0.5 * size)
@@ -68,11 +70,12 @@ def bound(cell: np.ndarray, nodes: list[gathering.Nodes], facing: bool) -> np.nd
     return gathering.gather(cell[None], sure, H)[0] + (0.0 if facing else ahead)
 
 
-@pytest.mark.parametrize("n", [8, 16])
-def test_each_pair_of_cells_meets_on_one_level(n):
+@pytest.mark.parametrize(("n", "coarsest"), [(8, 4), (16, 8), (16, 1)])
+def test_each_pair_of_cells_meets_on_one_level(n, coarsest):
     """Exhaustive but for the order of the axes, which the rule does not know: whichever cell of level 0 the light is
-    in, exactly one of its ancestors is read; none by the cell itself."""
-    cells, levels = every_cell(n).astype(np.int8), n.bit_length()
+    in, exactly one of its ancestors is read, down to whichever level; none by the cell itself."""
+    cells, levels = every_cell(n).astype(np.int8), n.bit_length() - coarsest.bit_length() + 1
+    assert coarsest == 1 or levels == gathering.coarsest_read(n.bit_length()) + 1
     sorted_cells = cells[np.all(np.diff(cells) >= 0, axis=1)]
     for some in np.array_split(sorted_cells, 16):
         times = sum(
@@ -120,16 +123,9 @@ def test_a_lit_square_facing_receivers(distance):
 
 
 def test_inside_a_box_of_one_radiance():
-    """The furnace: E = pi L on every small surface inside. Walls go through the middles of the outermost cells, and
-    those of an edge have half a cell's light of each wall: the trapezoidal rule, which errs by 2/3 (h/r)^2 at most, as
-    a patch of h does. Levels above put (s/r)^2 in the bound, of which their patches need 2/3.
-
-    Each wall is gathered alone, as a cell of two walls is no dominant lobe.
-    """
-    weight = np.ones(N)
-    weight[[0, -1]] = 0.5
-    weight = (weight[:, None] * weight)[:, :, None, None]
-    walls = [gathering.light_nodes(wall(normal, weight=weight)) for normal in DIRECTIONS]
+    """The furnace: E = pi L on every small surface inside. Each wall is gathered alone, as a cell of two walls is no
+    dominant lobe."""
+    walls = [gathering.light_nodes(wall(normal)) for normal in DIRECTIONS]
     for cell in np.array([[8, 8, 8], [4, 8, 11]]):
         found = sum(gathering.gather(cell[None], nodes, H)[0] for nodes in walls)
         off = sum(bound(cell, nodes, facing=False) for nodes in walls)
@@ -165,7 +161,7 @@ def test_the_inverse_square():
     distances = np.arange(1, 8)
     cells = np.array([[8, 8, 8 + z] for z in distances])
     levels = gathering.light_nodes(one_light(sh.cosine_lobe([0.0, 0.0, 1.0]) / pi))
-    last = len(levels) - 1
+    last = gathering.coarsest_read(len(levels))
     size = np.array([2.0 ** next(
         level.level for level in levels if gathering.takes(cell, level.cell[0], level.level, level.level == last)
     ) for cell in cells])  # fmt: skip
@@ -194,6 +190,20 @@ def test_a_wall_between_stops_light():
     free, found = (gathering.gather(cells, nodes, H, g) for g in (None, levels))
     assert np.array_equal(found[:2], free[:2])
     assert found[2:].max() < 1e-12 and free[2:].any()
+
+
+@pytest.mark.parametrize("beyond", [True, False])
+def test_a_wall_beside_a_node_stops_its_light(beyond):
+    """A node of 4 x 4 x 4 cells, lit one of them before its side, sends through what is in it, but not through a wall
+    in the next cells, though that is within two of its light."""
+    blocked = np.zeros((32, 32, 32, 3))
+    blocked[..., 8 if beyond else 7, 0] = 1.0
+    levels = geometry.plane_levels(geometry.Planes.sheets(blocked, np.full(blocked.shape, 0.5)))
+    light = np.zeros((32, 32, 32, 3, 4))
+    light[18, 18, 7] = sh.cosine_lobe([1.0, 0.0, 0.0])
+    placed = gathering.first_moments(light, placed=np.array([-0.5, 0.0, 0.0]) * light[..., :1].sum(axis=-2))
+    found = gathering.gather(np.array([[25, 18, 18]]), gathering.light_nodes(light, placed), H, levels)
+    assert found.any() != beyond
 
 
 def test_cubes_are_exact_along_the_axes():

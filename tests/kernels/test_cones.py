@@ -23,7 +23,8 @@ KERNEL = """
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= {{ count }}u { return; }
     let way = ends[id.x].xyz - starts[id.x].xyz;
-    found[id.x] = passing(starts[id.x].xyz, normalize(way), length(way), ends[id.x].w, {{ base }}u);
+    let cone = Cone(ends[id.x].w, starts[id.x].w, {{ cone_length }});
+    found[id.x] = passing(starts[id.x].xyz, normalize(way), length(way), cone, {{ base }}u);
 }
 """
 
@@ -45,23 +46,26 @@ def ways(base: int, straight: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]
 
 @pytest.mark.parametrize("straight", [False, True])
 @pytest.mark.parametrize("base", range(COUNT))
-def test_ways_pass_as_the_simulators(device, tmp_path, base, straight):
-    """But for what is black, and where float32 chooses: a place along a way that is right to 1e-5 cells lies so near to
-    one of some hundred planes or faces once in a thousand times. Straight ways go through the middles of cells."""
+@pytest.mark.parametrize("narrower", [1.0, 2.0])
+def test_ways_pass_as_the_simulators(device, tmp_path, base, straight, narrower):
+    """Into nodes that go on from the way's end by up to their size. But for what is black, and where float32 chooses: a
+    place along a way that is right to 1e-5 cells lies so near to one of some hundred planes or faces once in a thousand
+    times. Straight ways go through the middles of cells."""
     rng = np.random.default_rng(7)
     planes = [random_planes(rng, 0.25) for _ in range(COUNT)]
     words, blockers = packed([*planes, *geometry.plane_levels(planes[-1])[1:]])
     start, end, size = ways(base, straight)
+    room, cone_length = (rng.random(len(size)) * size).astype(np.float32), narrower * cones.CONE_LENGTH
     (tmp_path / "k.wgsl").write_text(KERNEL)
     kernel = ComputePass(
         device, "cones", str(tmp_path / "k.wgsl"),
         [storage("starts", "vec4f"), storage("ends", "vec4f"), storage("geometry", "u32"), windows_binding(COUNT),
          storage_rw("found", "f32", "write")],
         structs=[WINDOW], workgroup=(64, 1, 1), count=len(start), base=base, n=N, windows=COUNT,
-        bits=N.bit_length() - 1, cone_length=cones.CONE_LENGTH, fade=cones.FADE, left_out=cones.LEFT_OUT,
+        bits=N.bit_length() - 1, cone_length=cone_length, fade=cones.FADE, left_out=cones.LEFT_OUT,
         short=cones.SHORT, opaque=_OPAQUE, shares_first=0,
     )  # fmt: skip
-    given = (np.column_stack(columns).astype(np.float32) for columns in ((start, size), (end, size)))
+    given = (np.column_stack(columns).astype(np.float32) for columns in ((start, room), (end, size)))
     buffers = dict(zip(("starts", "ends"), (device.buffer("ways", rows) for rows in given), strict=True))
     found = device.buffer("found", size=len(start) * 4)
     with one_stage(device) as stage:
@@ -73,7 +77,8 @@ def test_ways_pass_as_the_simulators(device, tmp_path, base, straight):
     origins = np.array([*[w.origin for w in WINDOWS], *[(0, 0, 0)] * above])
     ends = np.array([*[w.ends for w in WINDOWS], *[cones.WHOLE] * above])
     expected = cones.cone_transmittance(
-        blockers[base:], start, end.astype(np.float32), size, origins[base:], ends[base:]
+        blockers[base:], start, end.astype(np.float32), size, origins[base:], ends[base:], room=room,
+        cone_length=cone_length,
     )  # fmt: skip
     right = np.abs(read_buffer(device, found)[: len(start)] - expected) <= 2.0 * _OPAQUE + 1e-5
     assert right.mean() >= (1.0 if straight else 0.998)

@@ -15,7 +15,8 @@ from octolux.simulator.lpv.geometry import Planes
 CONE_LENGTH = 5.0
 """Length over cell size at which the march along a cone goes on to the next level. A node is read from 1.5 to 3.5 of
 its sizes away (gathering.py), 2.5 on average: the cone to it is 1/2.5 as wide as it is long, and cells of half its
-width resolve what lies in it."""
+width resolve what lies in it. Nodes of the coarsest level that is read stand beyond 3.5 of their sizes for nodes twice
+as large, and are twice as many of their own sizes away: cones to them are half as wide, and this is twice as much."""
 
 LEFT_OUT = 1.5
 """Cells before the middle of a node of one cell that do not block its light: its own half, and the next."""
@@ -63,7 +64,7 @@ class _Ways:
     """M ways from points `start` in cells of level 0, the unit vectors `towards` their ends. How far a way has
     travelled is counted along its axis, that of its longest component, on which it goes by `sense` (1 or -1) from
     `along`. longest: that component's size. whole: the way's length, so counted. last: before which layers begin that
-    count. step: of one cell along the axis, (M, 3), signed."""
+    count. step: of one cell along the axis, (M, 3), signed. cone_length: CONE_LENGTH, or more for narrower cones."""
 
     start: np.ndarray
     towards: np.ndarray
@@ -73,19 +74,21 @@ class _Ways:
     whole: np.ndarray
     last: np.ndarray
     step: np.ndarray
+    cone_length: float
 
     @classmethod
-    def between(cls, start: np.ndarray, end: np.ndarray, node_size: np.ndarray) -> _Ways:
+    def between(cls, cone_length: float, start, end, node_size, room) -> _Ways:
         distance = np.linalg.norm(end - start, axis=-1)
         towards = (end - start) / np.where(distance > 0.0, distance, 1.0)[:, None]
         axis = np.abs(towards).argmax(axis=-1)[:, None]
         along, signed = (np.take_along_axis(a, axis, axis=-1)[:, 0] for a in (start, towards))
         longest = np.maximum(np.abs(signed), 1e-6)
         whole = distance * longest
-        last = whole - np.maximum(LEFT_OUT, 0.5 * node_size) - 0.25  # never half-way by rounding
+        own = np.minimum(0.5 * node_size, room * longest)
+        last = whole - np.maximum(LEFT_OUT, own) - 0.25  # never half-way by rounding
         last = np.where(last > 0.5, last, -np.inf)  # nothing but the start's own cell
         sense = np.where(signed > 0.0, 1.0, -1.0)
-        return cls(start, towards, along, sense, longest, whole, last, SHORT * towards / longest[:, None])
+        return cls(start, towards, along, sense, longest, whole, last, SHORT * towards / longest[:, None], cone_length)
 
     def into(self, travelled: np.ndarray, width: float) -> np.ndarray:
         """How far in its layer of cells so wide each way is."""
@@ -103,7 +106,7 @@ class _Ways:
         with np.errstate(divide="ignore", invalid="ignore"):
             room = (bound - self.start) / self.step
         room = np.where(np.abs(self.towards) > TOUCHES, room, np.inf)
-        return np.minimum(2.0 * CONE_LENGTH * width * self.longest + FADE * width, room.min(axis=-1))
+        return np.minimum(2.0 * self.cone_length * width * self.longest + FADE * width, room.min(axis=-1))
 
     def passed(self, here, level: _Level, travelled: np.ndarray) -> np.ndarray:
         """What a level's cells let through where the steps of ways `here` (M,) bool end after `travelled`, 1 elsewhere.
@@ -118,7 +121,10 @@ class _Ways:
         return result
 
 
-def cone_transmittance(levels: Sequence[Planes], start, end, node_size, origins=None, ends=None) -> np.ndarray:
+def cone_transmittance(
+    levels: Sequence[Planes], start, end, node_size, origins=None, ends=None, *, room=np.inf,
+    cone_length: float = CONE_LENGTH,
+) -> np.ndarray:  # fmt: skip
     """Share (M,) of light that passes from points `end` (M, 3) in nodes of `node_size` (M,) to points `start` (M, 3),
     in the middle of cells, in cells of level 0: a cone from a point to the node, marched on the level whose cells are
     half as wide as the cone.
@@ -126,15 +132,16 @@ def cone_transmittance(levels: Sequence[Planes], start, end, node_size, origins=
     Each step goes one cell of its level along the direction's longest component and reads the cell where it ends: the
     first of the next level is another of the former, so that there is no gap (`_let_through`), and each layer of cells
     across that component is crossed. What lies on both levels there counts on both: a wall stays closed.
-    The start's own cell is left out, and layers that begin, before `end`, within half the node, which is where its own
-    surfaces lie, or within its cell and another: they are what the light comes from and goes to, each up to half a cell
-    behind its point.
+    The start's own cell is left out, and layers that begin, before `end`, within half the node, if it goes on so far
+    (`room` (M,), from `end` towards `start`), which is where its own surfaces lie, or within its cell and another: they
+    are what the light comes from and goes to, each up to half a cell behind its point. cone_length: CONE_LENGTH, or
+    more for nodes that look smaller.
 
     Of a level whose array does not hold all of space, but begins at the cell `origins` (levels, 3), ways are marched
     between its `ends` (levels, 2, 3), in its cells. Before that, or before the cone is too wide, its steps give way to
     the next level's, two to one in the same layer of its cells (`_give_way`).
     """
-    ways = _Ways.between(*(np.asarray(a, dtype=np.float64) for a in (start, end, node_size)))
+    ways = _Ways.between(cone_length, *(np.asarray(a, dtype=np.float64) for a in (start, end, node_size, room)))
     made = _Level.of(levels, origins, ends)
     passed, travelled = np.ones(len(ways.whole)), np.ones(len(ways.whole))
     going = np.ones(len(passed), dtype=bool)
@@ -143,7 +150,7 @@ def cone_transmittance(levels: Sequence[Planes], start, end, node_size, origins=
         if level.gives_way:
             passed, travelled = _give_way(ways, made[number : number + 2], going, until, passed, travelled)
             continue
-        limit = 2.0 * CONE_LENGTH * level.width * ways.longest if number + 1 < len(made) else np.inf
+        limit = 2.0 * cone_length * level.width * ways.longest if number + 1 < len(made) else np.inf
         here = going & (travelled < until)
         while here.any():
             passed = passed * ways.passed(here, level, travelled)

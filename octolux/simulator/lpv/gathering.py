@@ -4,7 +4,8 @@ The papers' steps are a diffusion: light forgets its direction, and how much arr
 (Kaplanyan & Dachsbacher 2010, 3.3; Olovsson 2012, 6.1). Here a cell receives, by the inverse square, from nodes of the
 octree, each as large as its distance allows: a node of level i is read by cells that its parent, but not itself,
 is next to. So each part of space sends its light once to each cell, on the level that suits the way (Olovsson 2012,
-7.1, "propagation between octree levels on the fly"), and 189 nodes a level at most suffice.
+7.1, "propagation between octree levels on the fly"), and 189 nodes a level at most suffice, and 504 of the coarsest
+that is read (COARSEST).
 
 What arrives is held as irradiance on six faces, for normals along the axes (an ambient cube). Cells have no single
 direction of incoming light, as it comes from all sides; on walls along the axes the cube is exact.
@@ -21,7 +22,7 @@ import numpy as np
 
 from octolux.simulator import sh as harmonics
 from octolux.simulator.form_factors import squares_with_a_common_edge
-from octolux.simulator.lpv.cones import WHOLE, cone_transmittance
+from octolux.simulator.lpv.cones import CONE_LENGTH, TOUCHES, WHOLE, cone_transmittance
 from octolux.simulator.lpv.geometry import Planes
 from octolux.simulator.lpv.octree import build_levels
 from octolux.simulator.lpv.transfer import DIRECTIONS
@@ -31,6 +32,10 @@ SPREAD = 1.0 / 3.0
 I / r^2 * (1 - s^2 / (3 r^2)) to second order (form_factors.py expanded in s/r), and 1.003 times this expression even at
 r = s."""
 
+COARSEST = 8
+"""Cells along each side of the coarsest level that is read, by all that are not next to a node there. Light of a node
+comes along one way, to its mean place, and all of it comes or goes when that moves past an edge. With four cells a side
+that could be most of what lit a dim place (benchmarks, clpv_stability_lamp)."""
 
 SIDE = squares_with_a_common_edge()
 """Share of a surface's flux that arrives on another, as large as a cell's face, that meets it at a right angle."""
@@ -92,6 +97,12 @@ def takes(cell: np.ndarray, node: np.ndarray, steps: int, last: bool, whole=True
     return far if last else far & wide
 
 
+def coarsest_read(levels: int, base: int = 0) -> int:
+    """Number of the coarsest of so many levels, down to one cell, that cells of level `base` read: one of COARSEST
+    cells a side, and coarser than theirs."""
+    return max(levels - COARSEST.bit_length(), base + 1)
+
+
 def gather(
     cells, nodes: Sequence[Nodes], cell_size: float, geometry: Sequence[Planes] | None = None, *,
     base: int = 0, origins: Sequence[tuple[int, int, int]] = (), ends: Sequence[np.ndarray] = (), n: int = 0,
@@ -106,16 +117,17 @@ def gather(
     starts[: len(origins)] = np.reshape(origins, (-1, 3))
     left_at = np.concatenate([np.reshape(ends, (-1, 2, 3)), np.tile(WHOLE, (len(nodes) - len(ends), 1, 1))])
     blockers = None if geometry is None else (geometry[base:], starts[base:], left_at[base:])
-    for level in nodes[base:]:
+    coarsest = coarsest_read(len(nodes), base)
+    for level in nodes[base : coarsest + 1]:
         whole: np.ndarray | bool = True
         if 0 < level.level < len(origins):
             child = 2 * level.cell - starts[level.level - 1]
             whole = np.all((child >= 0) & (child < n), axis=-1)[None]
-        last = level.level == len(nodes) - 1
+        last = level.level == coarsest
         read = takes(cells[:, None], level.cell[None], level.level - base, last, whole)
         for number in range(len(level.cell)):
             near = np.nonzero(read[:, number])[0]
-            result[near] += _received(cells[near] + 0.5, level, number, base, blockers)
+            result[near] += _received(cells[near] + 0.5, level, number, base, last, blockers)
         if level.level == base:
             for number, cell in enumerate(level.cell):
                 result[np.all(cells == cell, axis=-1)] += _from_own_cell(level, number)
@@ -134,8 +146,9 @@ def _from_own_cell(nodes: Nodes, number: int) -> np.ndarray:
     return SIDE * nodes.flux[number] * (fraction * (1.0 - squares) + (1.0 - fraction) * (2.0 / 3.0))
 
 
-def _received(points: np.ndarray, nodes: Nodes, number: int, base: int, blockers: Any) -> np.ndarray:
-    """What one node sends to each of `points` (M, 3), in cells of `base`: (M, 6, 3), times the square of their size."""
+def _received(points: np.ndarray, nodes: Nodes, number: int, base: int, last: bool, blockers: Any) -> np.ndarray:
+    """What one node sends to each of `points` (M, 3), in cells of `base`: (M, 6, 3), times the square of their size.
+    last: whether it is of the coarsest level that is read."""
     place = nodes.place[number] / 2.0**base
     way = points - place
     square = np.sum(way * way, axis=-1)
@@ -147,8 +160,19 @@ def _received(points: np.ndarray, nodes: Nodes, number: int, base: int, blockers
     arriving = intensity / (square + SPREAD * size**2)[:, None]
     if blockers is not None:
         geometry, *where = blockers
-        arriving *= cone_transmittance(geometry, points, np.broadcast_to(place, points.shape), size, *where)[:, None]
+        arriving *= cone_transmittance(
+            geometry, points, np.broadcast_to(place, points.shape), size, *where,
+            room=_room(size * nodes.cell[number], size, place, direction),
+            cone_length=2.0 * CONE_LENGTH if last else CONE_LENGTH,
+        )[:, None]  # fmt: skip
     return np.maximum(0.0, -direction @ DIRECTIONS.T)[:, :, None] * arriving[:, None, :]
+
+
+def _room(corner: np.ndarray, size: float, place: np.ndarray, direction: np.ndarray) -> np.ndarray:
+    """How far (M,) a node from its `corner` on goes from `place` along `direction` (M, 3)."""
+    sides = corner + size * (direction > 0.0) - place
+    along = np.abs(direction) > TOUCHES
+    return np.where(along, sides / np.where(along, direction, 1.0), np.inf).min(axis=-1)
 
 
 def read_cube(cube, normals) -> np.ndarray:

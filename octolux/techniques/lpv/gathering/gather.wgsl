@@ -9,6 +9,8 @@
 {{ use("techniques/lpv/gathering/levels.wgsl") }}
 {% if occlusion %}{{ use("techniques/lpv/gathering/passing.wgsl") }}{% endif %}
 
+const COARSEST = {{ levels - 1 }}u; // level that is read
+const WHOLE = {{ candidates - coarsest**3 }}u; // first candidate of that level
 const CANDIDATES = {{ candidates }}u;
 const SHARE = {{ (candidates + 63) // 64 }}u; // of each thread
 const SIDE = {{ n // 4 }}u;
@@ -23,13 +25,18 @@ var<workgroup> lengths: array<atomic<u32>, {{ levels }}>;
 // steps: levels from the block's own to the node's.
 struct Candidate { steps: u32, node: vec3i }
 
-// On the block's own level all that may be next to the parents of its cells, on others the children of what is next to its
-// own. Blocks are counted from the volume's corner, as nodes are.
-fn candidate(number: u32, block: vec3i) -> Candidate {
+// On the block's own level all that may be next to the parents of its cells, on the coarsest all, on others the children of
+// what is next to its own. Blocks are counted from the volume's corner, as nodes are.
+fn candidate(number: u32, base: u32, block: vec3i) -> Candidate {
     if number < 512u {
         return Candidate(0u, 4 * block - 2 + vec3i(vec3u(number & 7u, (number >> 3u) & 7u, number >> 6u)));
     }
-    let steps = 1u + (number - 512u) / 216u;
+    if number >= WHOLE {
+        let at = number - WHOLE;
+        return Candidate(COARSEST - base, vec3i(vec3u(at, at / {{ coarsest }}u, at / {{ coarsest**2 }}u) % {{ coarsest }}u));
+    }
+    let between = 1u + (number - 512u) / 216u;
+    let steps = select({{ levels }}u, between, base + between < COARSEST); // no level, for coarser windows
     let at = (number - 512u) % 216u;
     return Candidate(steps, 2 * ((block >> vec3u(steps - 1u)) - 1) + vec3i(vec3u(at % 6u, (at / 6u) % 6u, at / 36u)));
 }
@@ -94,7 +101,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) th
     if todo > 0u {
         for (var k = 0u; k < SHARE; k++) {
             let number = thread * SHARE + k;
-            let c = candidate(min(number, CANDIDATES - 1u), block);
+            let c = candidate(min(number, CANDIDATES - 1u), base, block);
             if number < CANDIDATES && is_read(c, base, block) { read_bits |= 1u << k; }
         }
     }
@@ -105,7 +112,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) th
     for (var k = 0u; k < 64u; k++) { place += select(0u, counts[k], k < thread); }
     for (var k = 0u; k < SHARE; k++) {
         if (read_bits & (1u << k)) != 0u {
-            let c = candidate(thread * SHARE + k, block);
+            let c = candidate(thread * SHARE + k, base, block);
             listed[place] = number_of(base + c.steps, c.node);
             atomicAdd(&lengths[c.steps], 1u);
             place += 1u;
@@ -130,6 +137,7 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) th
         let first = first_of(level);
         let origin = origin_of(level);
         let size = f32(1u << steps);
+        let cone_length = select({{ cone_length }}, {{ 2 * cone_length }}, level == COARSEST); // gathering.py, `_received`
         if k < end {
             loop {
                 let in_level = listed[k] - first;
@@ -147,7 +155,11 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) th
                 let counts_here = takes(steps, level, node, cell) && any(arriving > vec3f(0.0));
                 var weight = select(0.0, about.weight / (square + {{ spread }} * size * size), counts_here);
                 {% if occlusion %}
-                weight *= passing(point, -direction, select(0.0, sqrt(square), counts_here), size, base);
+                let sides = size * (vec3f(node) + select(vec3f(0.0), vec3f(1.0), direction > vec3f(0.0))) - per_cell * about.place;
+                let along = abs(direction) > vec3f({{ touches }});
+                let rooms = select(vec3f(1e9), sides / select(vec3f(1.0), direction, along), along);
+                let cone = Cone(size, min(rooms.x, min(rooms.y, rooms.z)), cone_length);
+                weight *= passing(point, -direction, select(0.0, sqrt(square), counts_here), cone, base);
                 {% endif %}
                 arriving *= weight;
                 {% for axis in "xyz" %}

@@ -83,15 +83,17 @@ class Gathering:
             structs=[NODE], workgroup=(64, 1, 1), cells=self.levels.cells, pi=pi, row=ROW, **SH_CONSTANTS,
         )  # fmt: skip
         blockers = [storage("geometry", "u32")] if self._occlusion else []
-        used = sum(size >= 4 for size in self.levels.sizes)  # nodes of coarser levels are next to every cell's own
+        used = count + gathering.coarsest_read(n.bit_length())
+        coarsest = self.levels.sizes[used - 1]
         self._gather = ComputePass(
             device, "gather", "techniques/lpv/gathering/gather.wgsl",
             [records("nodes", NODE), moments, storage("marks", "u32"), storage_rw("filled", "u32"),
              storage("peak", "u32"), windows, *blockers, storage_texture("cube_out", "rgba16float", "3d")],
-            structs=[NODE, WINDOW], workgroup=(64, 1, 1), levels=used, candidates=512 + 216 * (used - 1),
+            structs=[NODE, WINDOW], workgroup=(64, 1, 1), levels=used, coarsest=coarsest,
+            candidates=512 + 216 * (used - 2) + coarsest**3,
             occlusion=self._occlusion, everywhere=self._everywhere, spread=gathering.SPREAD, side=gathering.SIDE, pi=pi,
             cone_length=cones.CONE_LENGTH, fade=cones.FADE, left_out=cones.LEFT_OUT, short=cones.SHORT, opaque=_OPAQUE,
-            bits=n.bit_length() - 1, unit=self._unit, shares_first=self._shares_first, **values,
+            touches=cones.TOUCHES, bits=n.bit_length() - 1, unit=self._unit, shares_first=self._shares_first, **values,
         )  # fmt: skip
 
     def _make_lookup_passes(self, lookup_offset: float) -> None:

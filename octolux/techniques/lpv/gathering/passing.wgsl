@@ -4,6 +4,9 @@
 struct Level { first: u32, bits: u32, begin: vec3f, per_cell: f32 }
 // A way: cells that it goes along each axis while it goes one along its longest component, which it has `whole` of.
 struct Way { step: vec3f, size: vec3f, upwards: vec3<bool>, whole: f32 }
+// A cone to a node: the node's size, how far it goes on from its light towards the point, and the cone's length over the
+// size of cells half as wide as it.
+struct Cone { node_size: f32, room: f32, length: f32 }
 
 // What the planes of the cell let through in which a step of a level ends after `travelled` (planes.wgsl){% if windows > 1 %}, or at the start. The
 // start's own cell is not part of it: `own` of what has been travelled{% endif %}.
@@ -27,7 +30,7 @@ fn into_layer(along: f32, sense: f32, travelled: f32, width: f32) -> f32 {
 // of level `base` (simulator/lpv/cones.py, `cone_transmittance`): the march goes on to the next level when it has
 // doubled its length, and so never reaches the coarsest, or where a level's window ends. `travelled` counts cells along the
 // direction's longest component.
-fn passing(point: vec3f, towards: vec3f, distance: f32, node_size: f32, base: u32) -> f32 {
+fn passing(point: vec3f, towards: vec3f, distance: f32, cone: Cone, base: u32) -> f32 {
     let sizes = abs(towards);
     let is_x = sizes.x >= max(sizes.y, sizes.z);
     let is_y = sizes.y >= sizes.z;
@@ -36,7 +39,9 @@ fn passing(point: vec3f, towards: vec3f, distance: f32, node_size: f32, base: u3
     let longest = max(abs(signed), 1e-6);
     let sense = select(-1.0, 1.0, signed > 0.0);
     let way = Way(towards * ({{ short }} / longest), sizes * ({{ short }} / longest), towards > vec3f(0.0), distance * longest);
-    let layers = way.whole - max({{ left_out }}, 0.5 * node_size) - 0.25; // that begin before this count
+    let own = min(0.5 * cone.node_size, cone.room * longest);
+    let layers = way.whole - max({{ left_out }}, own) - 0.25; // that begin before this count
+    let doubles = 2.0 * cone.length * longest; // where the next level is wide enough, over the width of this one
     var passed = select(0.0, 1.0, distance > 0.0);
     var travelled = 1.0;
     var width = 1.0;
@@ -57,15 +62,15 @@ fn passing(point: vec3f, towards: vec3f, distance: f32, node_size: f32, base: u3
         // wherever the window does. The ends follow the camera without steps. So nothing jumps; `pair` is the first of these.
         let gives_way = level < {{ windows - 1 }}u;
         let room = select(vec3f(1e9), (width * end_of(level, way.upwards) - point) * per_step, sizes > vec3f(1e-6));
-        let leaves = min({{ 2 * cone_length }} * width * longest + {{ fade }} * width, min(room.x, min(room.y, room.z)));
+        let leaves = min((doubles + {{ fade }}) * width, min(room.x, min(room.y, room.z)));
         var pair = travelled - select(0.0, width, into_layer(along, sense, travelled, 2.0 * width) >= 0.5);
         pair += 2.0 * width * max(0.0, floor((leaves - pair - {{ fade - 1 }} * width) / (2.0 * width)));
         let stop = min(end, select(1e9, pair, gives_way));
-        let limit = min(stop, select({{ 2 * cone_length }} * width * longest, 1e9, gives_way));
+        let limit = min(stop, select(doubles * width, 1e9, gives_way));
         let own = select(0.5, 0.0, level == base);
         {% else %}
         let stop = end;
-        let limit = min(stop, {{ 2 * cone_length }} * width * longest);
+        let limit = min(stop, doubles * width);
         {% endif %}
         loop {
             let inside = travelled < stop;
