@@ -107,10 +107,10 @@ def test_surfels_are_in_every_window_that_holds_them(device):
         assert filled.any()
 
 
-def scattered_light(seed: int) -> list[np.ndarray]:
+def scattered_light(seed: int, count: int = COUNT) -> list[np.ndarray]:
     """Float32 [z][y][x][rgb][4] of each window: mixes of lobes in a twentieth of the cells."""
     rng, result = np.random.default_rng(seed), []
-    for i in range(COUNT):
+    for i in range(count):
         light = np.zeros((N, N, N, 3, 4))
         light[..., 0] = rng.uniform(0.1, 2, (N, N, N, 3)) * 4.0**i
         directions = random_directions(rng, N**3 * 3).reshape(N, N, N, 3, 3)
@@ -120,27 +120,34 @@ def scattered_light(seed: int) -> list[np.ndarray]:
     return result
 
 
+def gathered(device, own: list[np.ndarray], windows, words=None) -> np.ndarray:
+    """Irradiance on the faces of all cells, times the square of their size: [window][z][y][x][face][rgb]."""
+    count = len(own)
+    levels = Levels([N] * (count - 1) + level_sizes(N), count)
+    made = Gathering(device, levels, occlusion=words is not None, lookup_offset=0.5, everywhere=True)
+    injected = np.zeros((levels.cells, 3, 4), np.float32)
+    injected[: count * N**3] = np.concatenate([light.reshape(-1, 3, 4) for light in own])
+    peak, buffer = injected[:, :, 0].max(), device.uniform("windows", pack_windows(windows))
+    with one_stage(device) as stage:
+        made.forget(stage)
+        made.update(stage, device.buffer("injected", injected), buffer)
+        packed_shares = device.buffer("shares", words) if words is not None else None
+        made.gather(stage, device.buffer("peak", np.array([peak], np.float32)), packed_shares, buffer)
+    layout = {"bytes_per_row": N * 8, "rows_per_image": N * count}
+    data = device.queue.read_texture({"texture": made.cube}, layout, (N, count * N, 6 * N))
+    cube = np.frombuffer(data, np.float16).reshape(6, N, count, N, N, 4).astype(np.float64)[..., :3]
+    return np.transpose(cube, (2, 1, 3, 4, 0, 5)) / storage_scale(peak)
+
+
 @pytest.mark.parametrize("density", [None, 0.05, 0.5])
 def test_every_window_gathers(device, density):
     """Cells of all windows, in their middle and at their rims, without and with surfaces between."""
     own, rng = scattered_light(2), np.random.default_rng(3)
-    made = Gathering(device, LEVELS, occlusion=density is not None, lookup_offset=0.5, everywhere=True)
     words, blockers = None, None
     if density is not None:
         planes = [random_planes(rng, density) for _ in range(COUNT)]
         words, blockers = packed([*planes, *geometry.plane_levels(planes[-1])[1:]])
-    injected = np.zeros((LEVELS.cells, 3, 4), np.float32)
-    injected[: COUNT * N**3] = np.concatenate([light.reshape(-1, 3, 4) for light in own])
-    peak = injected[:, :, 0].max()
-    windows = uniforms(device)[1]
-    with one_stage(device) as stage:
-        made.forget(stage)
-        made.update(stage, device.buffer("injected", injected), windows)
-        packed_shares = device.buffer("shares", words) if words is not None else None
-        made.gather(stage, device.buffer("peak", np.array([peak], np.float32)), packed_shares, windows)
-    layout = {"bytes_per_row": N * 8, "rows_per_image": N * COUNT}
-    data = device.queue.read_texture({"texture": made.cube}, layout, (N, COUNT * N, 6 * N))
-    cube = np.frombuffer(data, np.float16).reshape(6, N, COUNT, N, N, 4).astype(np.float64)[..., :3]
+    cube = gathered(device, own, WINDOWS, words)
     nodes, origins = cascades.window_nodes(own, WINDOWS), [w.origin for w in WINDOWS]
     for base, window in enumerate(WINDOWS):
         local = np.concatenate([[(0, 0, 0), (N - 1, 3, N - 1)], rng.integers(0, N, (15, 3))])
@@ -148,10 +155,23 @@ def test_every_window_gathers(device, density):
         expected, free = (
             gathering.gather(local + window.origin, nodes, 1.0, b, **options) for b in (blockers, None)
         )  # fmt: skip
-        found = np.moveaxis(cube[:, local[:, 2], base, local[:, 1], local[:, 0]], 0, 1) / storage_scale(peak)
+        found = cube[base, local[:, 2], local[:, 1], local[:, 0]]
         brightest = free.max(axis=1, keepdims=True)
         assert np.all(np.abs(found - expected) <= HALF_FLOAT * expected + (STORED + 2.0**-12) * brightest)
         assert expected.max() > 0 and (density is None or np.median(expected[free > 0] / free[free > 0]) < 0.99)
+
+
+def test_many_windows_gather(device):
+    """So many that a workgroup's threads list more than 32 nodes each."""
+    count, rng = 8, np.random.default_rng(4)
+    windows, own = cascades.place_windows(N, count, VOLUME, VOLUME.origin, [0.6, 0.0, 0.8]), scattered_light(5, count)
+    nodes, origins = cascades.window_nodes(own, windows), [w.origin for w in windows]
+    cube = gathered(device, own, windows)
+    for base in (0, count - 1):
+        local = rng.integers(0, N, (10, 3))
+        expected = gathering.gather(local + origins[base], nodes, 1.0, base=base, origins=origins, n=N)
+        found = cube[base, local[:, 2], local[:, 1], local[:, 0]]
+        assert np.all(np.abs(found - expected) <= HALF_FLOAT * expected + STORED * expected.max(axis=1, keepdims=True))
 
 
 def test_lookup_blends_windows(device):

@@ -97,21 +97,23 @@ fn main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) th
     let todo = countOneBits(low) + countOneBits(high);
 
     // The nodes to read.
-    var read_bits = 0u;
+    var read_bits = vec2u(0u); // 2048 candidates, and as many more
     if todo > 0u {
         for (var k = 0u; k < SHARE; k++) {
             let number = thread * SHARE + k;
             let c = candidate(min(number, CANDIDATES - 1u), base, block);
-            if number < CANDIDATES && is_read(c, base, block) { read_bits |= 1u << k; }
+            if number < CANDIDATES && is_read(c, base, block) {
+                read_bits |= select(vec2u(1u, 0u), vec2u(0u, 1u), k >= 32u) << vec2u(k % 32u);
+            }
         }
     }
-    counts[thread] = countOneBits(read_bits);
+    counts[thread] = countOneBits(read_bits.x) + countOneBits(read_bits.y);
     workgroupBarrier();
     if todo == 0u { return; }
     var place = 0u;
     for (var k = 0u; k < 64u; k++) { place += select(0u, counts[k], k < thread); }
     for (var k = 0u; k < SHARE; k++) {
-        if (read_bits & (1u << k)) != 0u {
+        if ((select(read_bits.x, read_bits.y, k >= 32u) >> (k % 32u)) & 1u) == 1u {
             let c = candidate(thread * SHARE + k, base, block);
             listed[place] = number_of(base + c.steps, c.node);
             atomicAdd(&lengths[c.steps], 1u);
