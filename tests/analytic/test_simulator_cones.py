@@ -8,7 +8,7 @@ from test_simulator_geometry import N
 from test_simulator_planes import PLACE, wall
 
 from octolux.simulator.lpv import geometry
-from octolux.simulator.lpv.cones import CONE_LENGTH, FADE, LEFT_OUT, SHORT, WHOLE, cone_transmittance
+from octolux.simulator.lpv.cones import CONE_LENGTH, FADE, SHORT, WHOLE, cone_transmittance
 from octolux.simulator.lpv.geometry import Planes
 
 
@@ -34,7 +34,7 @@ class Ways:
         a, b = self.start[:, axis], self.end[:, axis]
         with np.errstate(divide="ignore", invalid="ignore"):
             travelled = self.away * np.abs((place - a) / (b - a))
-        last = self.away - np.maximum(LEFT_OUT, 0.5 * self.size) - 0.25
+        last = self.away - 0.5 * self.size - 0.25
         between = ((a < place) != (b < place)) & (np.floor(a) != np.floor(place))
         return between & (travelled > 0.5) & (travelled < last - self.widest)
 
@@ -92,8 +92,8 @@ def test_a_half_open_wall_lets_half_pass():
 
 
 def test_shares_are_what_passes_on_average():
-    """Planes anywhere in their cells: of a way that goes 1/4 of a cell along an axis in each of six steps,
-    (1 - s / 4)^6 passes on average, as if a share s blocked by a.|u| (the top of geometry.py)."""
+    """Planes anywhere in their cells: of a way that goes 1/4 of a cell along an axis in each of seven steps,
+    (1 - s / 4)^7 passes on average, as if a share s blocked by a.|u| (the top of geometry.py)."""
     rng, share, found = np.random.default_rng(6), 0.6, []
     start = np.array([[1.5, 2.5, z + 0.5] for z in range(N)])
     end = start + np.array([8.0, 2.0, 0.0])
@@ -101,8 +101,38 @@ def test_shares_are_what_passes_on_average():
         shares, offsets = np.zeros((N, N, N, 3)), rng.random((N, N, N, 3))
         shares[..., 1] = share
         found.append(cone_transmittance([Planes.sheets(shares, offsets)], start, end, 1.0))
-    expected = (1.0 - share / 4.0) ** 6
+    expected = (1.0 - share / 4.0) ** 7
     assert abs(np.mean(found) - expected) < 4.0 * np.std(found) / np.sqrt(np.size(found))
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_half_a_wall_stops_what_goes_through_that_half(axis):
+    """Across `axis`, as far as 1/2 along the next: all below 1/4, nothing above 3/4, evenly less between
+    (Strips.cover). Of ways from one cell's middle up to the wall's place, 6 cells away, to the next side."""
+    next_axis, place = (axis + 1) % 3, 8.5
+    shares, middles = np.zeros((N, N, N, 3)), np.full((N, N, N, 3), 0.25)
+    np.moveaxis(shares, 2 - axis, 0)[8, ..., axis] = 0.5
+    levels = [Planes.sheets(shares, np.full(shares.shape, 0.5), nexts=middles)]
+    start, aims = np.full((50, 3), 4.5), np.linspace(0.01, 0.99, 50)
+    start[:, axis] = 2.5
+    end = start.copy()
+    end[:, axis], end[:, next_axis] = 14.5, 4.5 + 2.0 * (aims - 0.5)  # half-way at the wall
+    assert np.all(place - start[:, axis] == 0.5 * (end - start)[:, axis])
+    found = cone_transmittance(levels, start, end, 1.0)
+    np.testing.assert_allclose(found, np.clip(2.0 * aims - 0.5, 0.0, 1.0), atol=4e-4)  # SHORT, 2 / w of it
+
+
+def test_folds_do_not_dim_what_runs_along_before_them():
+    """A curtain across z at 0.9 of its cells, whose folds' sides, 0.2 of the cross section, face along x and lie around
+    there, from 0.8 on: ways along x at 0.5 pass, those through the curtain do not. Folds all through the cells dim."""
+    shares, offsets = np.zeros((N, N, N, 3)), np.full((N, N, N, 3), 0.9)
+    shares[8, ..., 2], shares[8, ..., 0] = 1.0, 0.2
+    start, end = np.array([[2.5, 7.5, 8.5]]), np.array([[13.5, 7.5, 8.5]])
+    folds = Planes.sheets(shares, offsets, lasts=offsets)  # z is the last axis of x
+    assert cone_transmittance([folds], start, end, 1.0) == 1.0
+    assert cone_transmittance([folds], start, end + np.array([0.0, 0.0, 5.0]), 1.0) == 0.0
+    anywhere = Planes.sheets(shares, offsets)
+    np.testing.assert_allclose(cone_transmittance([anywhere], start, end, 1.0), 0.8**10)
 
 
 def test_ways_in_a_room_are_not_dimmed():
@@ -124,13 +154,12 @@ def test_ways_in_a_room_are_not_dimmed():
 
 @pytest.mark.parametrize("sense", [1, -1])
 def test_the_start_and_the_node_are_left_out(sense):
-    """Straight ways: none of the start's cell, the end's and the one before, and half of a larger node, as far as it
-    goes on."""
+    """Straight ways: none of the start's cell and the end's, and half of a larger node, as far as it goes on."""
     start, end = np.full((1, 3), 20.5), np.full((1, 3), 20.5)
     end[0, 1] += sense * 9.0
     for layer in range(32):
         levels, ahead = wall(1, layer + 0.5, n=32), sense * (layer - 20)
-        for size, room, left_out in ((1.0, 9.0, 2), (4.0, 9.0, 2), (8.0, 9.0, 4), (8.0, 2.5, 3), (8.0, 0.5, 2)):
+        for size, room, left_out in ((1.0, 9.0, 1), (4.0, 9.0, 2), (8.0, 9.0, 4), (8.0, 2.5, 3), (8.0, 0.5, 1)):
             blocked = 0 < ahead < 9 - left_out + 1
             found = cone_transmittance(levels, start, end, size, room=room)
             assert found == (0.0 if blocked else 1.0), (layer, size, room)

@@ -121,7 +121,8 @@ def test_buffers_that_see_one_side_each_are_merged_by_sides():
     both, and the larger says where."""
     front, back = (np.zeros((2, 2, 2, 3)) for _ in range(2))
     front[0, 0, 0, 0], back[0, 0, 0, 0] = 0.5, 0.75
-    made = [Planes(front, 0.0 * back, np.full(front.shape, 0.2)), Planes(0.0 * front, back, np.full(front.shape, 0.9))]
+    sides = (front, 0.0 * back, 0.2), (0.0 * front, back, 0.9)
+    made = [Planes(f, b, *np.full((3, *f.shape), place)) for f, b, place in sides]
     for buffers in (made, made[::-1]):
         merged = geometry.merge_planes(buffers)
         assert np.array_equal(merged.fronts, front) and np.array_equal(merged.backs, back)
@@ -148,16 +149,70 @@ def test_two_walls_in_a_coarser_cell_are_one_between():
     assert (level.shares[:, :, 1, 0] == 1.0).all()
 
 
+def test_middles_lie_where_surfels_do():
+    """Three quarters of what faces along y at (0.3, 0.2) of (z, x), a quarter at (0.7, 0.4)."""
+    normal, places = np.tile([0.0, 1.0, 0.0], (2, 1)), np.array([[3.2, 4.5, 5.3], [3.4, 4.5, 5.7]])
+    planes = geometry.inject_planes(GRID.origin + H * places, normal, H * H * np.array([0.6, 0.2]), GRID)
+    np.testing.assert_allclose(planes.nexts[5, 4, 3, 1], 0.4, **ROUNDING)  # along z
+    np.testing.assert_allclose(planes.lasts[5, 4, 3, 1], 0.25, **ROUNDING)  # along x
+    coarser = geometry.plane_levels(planes)[1]
+    np.testing.assert_allclose(coarser.nexts[2, 2, 1, 1], 0.5 + 0.2, **ROUNDING)
+    np.testing.assert_allclose(coarser.lasts[2, 2, 1, 1], 0.5 + 0.125, **ROUNDING)
+
+
+def of_one(share: float, middle_next: float, middle_last: float) -> tuple[float, float, float, bool]:
+    """Density and ends of the strip across x of one cell, and whether they are along z."""
+    one = np.ones((1, 1, 1, 3))
+    found = Planes.sheets(share * one, 0.5 * one, middle_next * one, middle_last * one).strips
+    density, low, high, last = (float(each[0, 0, 0, 0]) for each in (found.density, *found[2:]))
+    return density, low, high, bool(last)
+
+
+def test_strips():
+    """Half a wall in its half; sheets all through a cell in all of it; a whole wall in all of it, wherever its surfels'
+    mean may lie; and of what does not fit around its middle, as much as its share, to the cell's side."""
+    assert of_one(0.5, 0.25, 0.5) == (1.0, 0.0, 0.5, False)
+    assert of_one(0.5, 0.5, 0.75) == (1.0, 0.5, 1.0, True)
+    assert of_one(0.3, 0.5, 0.5)[:3] == (0.3, 0.0, 1.0)
+    assert of_one(1.0, 0.4, 0.6)[:3] == (1.0, 0.0, 1.0)
+    np.testing.assert_allclose(of_one(0.25, 0.9, 0.5), (1.0, 0.75, 1.0, False), atol=1e-12)
+
+
+def test_strips_block_what_surfaces_do():
+    """Their shares are the surfaces', and their middles too, where they need not be wider than they would be. Soft
+    ends, of strips as they are kept, cover as much as hard ones: by 1024 places, whose mean errs where a slope begins
+    or ends, at four places, by less than half of one place's, which changes by 31 / 1024 at most."""
+    rng = np.random.default_rng(4)
+    planes = Planes.sheets(*rng.random((4, 6, 6, 6, 3)))
+    found = planes.strips
+    np.testing.assert_allclose(found.shares, planes.shares, rtol=1e-12)
+    middle = np.where(found.last, planes.lasts, planes.nexts)
+    roomy = 2.0 * np.minimum(middle, 1.0 - middle) > np.maximum(planes.shares, 1 / 31)
+    np.testing.assert_allclose((0.5 * (found.low + found.high))[roomy], middle[roomy], atol=1e-12)
+    assert 0.1 < roomy.mean() < 0.9
+    assert np.all(np.abs(middle - 0.5) >= np.abs(np.where(found.last, planes.nexts, planes.lasts) - 0.5))
+    found = geometry.unpack_planes(geometry.pack_planes(planes))
+    covered = np.mean([found.cover(np.full(planes.shares.shape, (k + 0.5) / 1024)) for k in range(1024)], axis=0)
+    np.testing.assert_allclose(covered, found.high - found.low, atol=4 * 0.5 * 31 / 1024**2)
+
+
 def test_packing():
-    """Ten bits an axis, x in the lowest, of which five are the share, rounded, and five the place, to its middle."""
+    """Five bits each from the lowest on: the density and the ends rounded, the place to its middle; and whether the
+    ends are along the last axis. What rounding takes from a strip that is as wide as its share it cannot bring back:
+    a step at most."""
     rng = np.random.default_rng(0)
-    planes = Planes.sheets(rng.random((8, 8, 8, 3)), rng.random((8, 8, 8, 3)))
+    planes = Planes.sheets(*rng.random((4, 8, 8, 8, 3)))
     planes.fronts[0, 0, 0], planes.fronts[0, 0, 1], planes.offsets[0, 0, 1] = 1.0, 0.0, 1.0
-    words = geometry.pack_planes(planes)
+    words, exact, filled = geometry.pack_planes(planes), planes.strips, planes.shares > 0.0
     found = geometry.unpack_planes(words)
-    assert np.abs(found.shares - planes.shares).max() <= 1 / 62
-    assert np.abs(found.offsets - planes.offsets).max() <= PLACE
-    assert (found.shares[0, 0, 0] == 1.0).all() and (found.shares[0, 0, 1] == 0.0).all()
-    assert words.dtype == np.uint32 and words.max() < 1 << 30
-    one = Planes.sheets(np.array([[[[1.0, 0.0, 0.0]]]]), np.array([[[[0.5, 0.0, 1.0]]]]))
-    assert geometry.pack_planes(one)[0, 0, 0] == 31 | 16 << 5 | 31 << 25
+    for kept, end in ((found.low, exact.low), (found.high, exact.high)):
+        assert np.abs(kept - end)[filled].max() <= 1 / 62 + 1e-12
+    assert (planes.shares - found.shares).max() <= 1 / 62 + 1 / 31 and (found.shares - planes.shares).max() <= 1 / 62
+    assert np.abs(found.offsets - planes.offsets)[filled].max() <= PLACE
+    assert np.array_equal(found.last[filled], exact.last[filled])
+    assert (found.shares[0, 0, 0] == 1.0).all() and not words[0, 0, 1].any()
+    assert words.dtype == np.uint32 and words.max() < 1 << 21 and not words[..., 3].any()
+    one = Planes.sheets(np.array([[[[1.0, 0.0, 0.5]]]]), np.array([[[[0.5, 0.0, 1.0]]]]), nexts=0.4, lasts=0.25)
+    assert geometry.pack_planes(one)[0, 0, 0].tolist() == [
+        31 | 16 << 5 | 31 << 15 | 1 << 20, 0 << 5 | 16 << 15 | 1 << 20, 30 | 31 << 5 | 16 << 15 | 1 << 20, 0
+    ]  # fmt: skip

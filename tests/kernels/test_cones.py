@@ -59,7 +59,7 @@ def test_ways_pass_as_the_simulators(device, tmp_path, base, straight, narrower)
     (tmp_path / "k.wgsl").write_text(KERNEL)
     kernel = ComputePass(
         device, "cones", str(tmp_path / "k.wgsl"),
-        [storage("starts", "vec4f"), storage("ends", "vec4f"), storage("geometry", "u32"), windows_binding(COUNT),
+        [storage("starts", "vec4f"), storage("ends", "vec4f"), storage("geometry", "vec4u"), windows_binding(COUNT),
          storage_rw("found", "f32", "write")],
         structs=[WINDOW], workgroup=(64, 1, 1), count=len(start), base=base, n=N, windows=COUNT,
         bits=N.bit_length() - 1, cone_length=cone_length, fade=cones.FADE, left_out=cones.LEFT_OUT,

@@ -48,13 +48,13 @@ def walled() -> SimpleNamespace:
     """Planes of all windows, of which a third are closed and a third are not there; and the words that say so."""
     rng = np.random.default_rng(1)
     shares = np.clip(rng.uniform(-1.0, 2.0, (COUNT, N, N, N, 3)), 0.0, 1.0)
-    words = [geometry.pack_planes(geometry.Planes.sheets(s, rng.random((N, N, N, 3)))) for s in shares]
-    packed = np.zeros(LEVELS.cells, np.uint32)
-    packed[: COUNT * N**3] = np.concatenate([w.ravel() for w in words])
+    words = [geometry.pack_planes(geometry.Planes.sheets(s, *rng.random((3, N, N, N, 3)))) for s in shares]
+    packed = np.zeros((LEVELS.cells, 4), np.uint32)
+    packed[: COUNT * N**3] = np.concatenate([w.reshape(-1, 4) for w in words])
     return SimpleNamespace(planes=[geometry.unpack_planes(w) for w in words], packed=packed)
 
 
-def sure(place: np.ndarray, planes: geometry.Planes | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def sure(place: np.ndarray, planes: geometry.Blockers | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Of places (M, 3): where rounding them decides nothing (M,), neither which cells are around nor whether any corner
     is left; what the weights' sum is (M,), before it is made 1; and how far each of them may be off (M,)."""
     first, weights = corners.corner_weights(place)

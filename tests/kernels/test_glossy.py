@@ -17,6 +17,7 @@ from octolux.simulator import brdf, sh
 from octolux.simulator.camera import octahedral_decode, octahedral_encode, pack_normals, unpack_normals
 from octolux.simulator.environment import brdf_table
 from octolux.simulator.lpv import cascades, glossy
+from octolux.simulator.lpv.geometry import Planes, pack_planes
 from octolux.simulator.lpv.glossy import Surfaces
 from octolux.simulator.lpv.octree import level_sizes
 from octolux.simulator.reflection import reflected_direction
@@ -107,11 +108,12 @@ def scene() -> SimpleNamespace:
         light[-1][..., 0] = flux * sh.Y0
         share, plane = rng.integers(0, 32, (2, n, n, n, 3))
         share *= rng.random((n, n, n, 1)) < 0.05
-        words.append(((share | plane << 5) @ np.array([1, 1 << 10, 1 << 20])).astype(np.uint32).ravel())
+        planes = Planes.sheets(share / 31.0, (plane + 0.5) / 32.0)
+        words.append(pack_planes(planes).reshape(-1, 4))
         window = WINDOWS[min(i, COUNT - 1)]
         if n in SIZES:
             levels.append(Surfaces(
-                *glossy.surface_light(light[-1], squares[-1], CELL * size), share / 31.0, (plane + 0.5) / 32.0,
+                *glossy.surface_light(light[-1], squares[-1], CELL * size), planes.shares, planes.offsets,
                 (0, 0, 0) if whole else window.origin, np.zeros(3) if whole else np.array(window.low),
                 np.full(3, float(n)) if whole else np.array(window.high),
             ))  # fmt: skip
@@ -184,7 +186,7 @@ def filled(radiance: float) -> SimpleNamespace:
     injected = np.zeros((LEVELS.cells, 3, 4), np.float32)
     injected[..., 0] = np.repeat(per_cell, [n**3 for n in LEVELS.sizes])[:, None]
     reflectors = np.ones((LEVELS.cells, 3, 4), np.float32)
-    return SimpleNamespace(injected=injected, reflectors=reflectors, words=np.zeros(LEVELS.cells, np.uint32))
+    return SimpleNamespace(injected=injected, reflectors=reflectors, words=np.zeros((LEVELS.cells, 4), np.uint32))
 
 
 @pytest.mark.parametrize("resolution", [1, 2, 4])

@@ -58,7 +58,7 @@ def around(device, camera: int) -> SimpleNamespace:
         bounces.run(stage, injection.injected, gathering.moments, injection.peak, reflectors, None, windows)
     cells = COUNT * N**3
     return SimpleNamespace(
-        placed=placed, packed=read_buffer(device, geometry.packed, np.uint32)[FIRST : LEVELS.cells],
+        placed=placed, packed=read_buffer(device, geometry.packed, np.uint32).reshape(-1, 4)[FIRST : LEVELS.cells],
         reflectors=read_buffer(device, reflectors.reflectors).reshape(-1, 12)[FIRST:cells],
         places=read_buffer(device, reflectors.places).reshape(-1, 4)[FIRST:cells], before=before,
         bounced=read_buffer(device, injection.injected).reshape(-1, 3, 4)[FIRST:cells] - before[: N**3],

@@ -23,7 +23,7 @@ import numpy as np
 from octolux.simulator import sh
 from octolux.simulator.lpv.cascades import Window
 from octolux.simulator.lpv.gathering import first_moments, gather, light_nodes
-from octolux.simulator.lpv.geometry import Planes
+from octolux.simulator.lpv.geometry import Blockers
 from octolux.simulator.lpv.transfer import DIRECTIONS
 
 
@@ -44,7 +44,7 @@ def moments_at(light: np.ndarray, places: np.ndarray, origin=(0, 0, 0), size: fl
 
 
 def irradiance(
-    light: np.ndarray, reflectors: np.ndarray, count: int, geometry: Sequence[Planes] | None = None, *,
+    light: np.ndarray, reflectors: np.ndarray, count: int, geometry: Sequence[Blockers] | None = None, *,
     moments: np.ndarray, places: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
     """Irradiance times the square of the cell size [z][y][x][6][3] of `count` bounces together in a whole volume of

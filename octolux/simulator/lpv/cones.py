@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from octolux.simulator.lpv.geometry import Planes
+from octolux.simulator.lpv.geometry import Blockers, Strips
 
 CONE_LENGTH = 5.0
 """Length over cell size at which the march along a cone goes on to the next level. A node is read from 1.5 to 3.5 of
@@ -18,8 +18,8 @@ its sizes away (gathering.py), 2.5 on average: the cone to it is 1/2.5 as wide a
 width resolve what lies in it. Nodes of the coarsest level that is read stand beyond 3.5 of their sizes for nodes twice
 as large, and are twice as many of their own sizes away: cones to them are half as wide, and this is twice as much."""
 
-LEFT_OUT = 1.5
-"""Cells before the middle of a node of one cell that do not block its light: its own half, and the next."""
+LEFT_OUT = 0.5
+"""Cells before a node's light that do not block it at least: as far as the cell that has it goes on from its middle."""
 
 SHORT = 0.9999
 """Points are read a little before where they lie, so that rounding decides nothing where a way passes through edges."""
@@ -39,20 +39,20 @@ TOUCHES = 1e-6
 
 @dataclass(frozen=True)
 class _Level:
-    """Planes of cells that are `width` of those of level 0 wide, the first of them number `origin` (3,). ends: (2, 3),
-    in its cells, where ways leave it."""
+    """What blocks in cells that are `width` of those of level 0 wide, the first of them number `origin` (3,).
+    ends: (2, 3), in its cells, where ways leave it."""
 
-    planes: Planes
+    blockers: Strips
     width: float
     origin: np.ndarray
     ends: np.ndarray
 
     @classmethod
-    def of(cls, levels: Sequence[Planes], origins, ends) -> list[_Level]:
+    def of(cls, levels: Sequence[Blockers], origins, ends) -> list[_Level]:
         origins = np.zeros((len(levels), 3), dtype=int) if origins is None else np.asarray(origins)
         ends = np.full((len(levels), 2, 3), WHOLE) if ends is None else np.asarray(ends)
         each = enumerate(zip(levels, origins, ends, strict=False))
-        return [cls(planes, 2.0**i, origin, where) for i, (planes, origin, where) in each]
+        return [cls(blockers.strips, 2.0**i, origin, where) for i, (blockers, origin, where) in each]
 
     @property
     def gives_way(self) -> bool:
@@ -117,12 +117,12 @@ class _Ways:
         at = (self.start + self.step * ends[:, None])[here] / width - level.origin
         ahead = np.minimum((self.whole - ends) / width, 1.0)
         back = np.minimum((ends - 0.5) / width, 1.0) if width > 1.0 else np.ones_like(ends)
-        result[here] = _let_through(level.planes, at, self.step[here], back[here, None], ahead[here, None])
+        result[here] = _let_through(level.blockers, at, self.step[here], back[here, None], ahead[here, None])
         return result
 
 
 def cone_transmittance(
-    levels: Sequence[Planes], start, end, node_size, origins=None, ends=None, *, room=np.inf,
+    levels: Sequence[Blockers], start, end, node_size, origins=None, ends=None, *, room=np.inf,
     cone_length: float = CONE_LENGTH,
 ) -> np.ndarray:  # fmt: skip
     """Share (M,) of light that passes from points `end` (M, 3) in nodes of `node_size` (M,) to points `start` (M, 3),
@@ -132,10 +132,10 @@ def cone_transmittance(
     Each step goes one cell of its level along the direction's longest component and reads the cell where it ends: the
     first of the next level is another of the former, so that there is no gap (`_let_through`), and each layer of cells
     across that component is crossed. What lies on both levels there counts on both: a wall stays closed.
-    The start's own cell is left out, and layers that begin, before `end`, within half the node, if it goes on so far
-    (`room` (M,), from `end` towards `start`), which is where its own surfaces lie, or within its cell and another: they
-    are what the light comes from and goes to, each up to half a cell behind its point. cone_length: CONE_LENGTH, or
-    more for nodes that look smaller.
+    The start's own cell is left out, as its surfaces are up to half a cell behind its middle, and layers that begin,
+    before `end`, within half the node, if it goes on so far (`room` (M,), from `end` towards `start`), which is where
+    its own surfaces lie: they are what the light goes to and comes from. cone_length: CONE_LENGTH, or more for nodes
+    that look smaller.
 
     Of a level whose array does not hold all of space, but begins at the cell `origins` (levels, 3), ways are marched
     between its `ends` (levels, 2, 3), in its cells. Before that, or before the cone is too wide, its steps give way to
@@ -184,23 +184,27 @@ def _give_way(ways: _Ways, levels: Sequence[_Level], going, until, passed, trave
     return passed, first - width
 
 
-def _let_through(planes: Planes, at, step, back, ahead) -> np.ndarray:
-    """What one step's cell lets through (M,): the product of 1 - share over the planes that are crossed.
+def _let_through(blockers: Strips, at, step, back, ahead) -> np.ndarray:
+    """What one step's cell lets through (M,): the product of 1 - density over the strips that are crossed.
 
     at: (M, 3), where the step ends, in cells. step: (M, 3), of one cell along its longest component. back, ahead:
     (M, 1), how much of such a step it is from the one before, and on to the next, at most 1.
 
     Cells are read where steps end, but each plane is crossed by one step: between the end of the one before, or the
     cell's beginning if that lies in another along this axis, and its own, or the cell's end if the way goes on
-    beyond. So parts of a way within a cell follow on one another without gaps.
+    beyond. So parts of a way within a cell follow on one another without gaps. Where the way is beside the cell when
+    it crosses the plane, the cell's side counts.
     """
-    cell = np.clip(np.floor(at).astype(int), 0, planes.fronts.shape[0] - 1)
+    cell = np.clip(np.floor(at).astype(int), 0, blockers.density.shape[0] - 1)
     x, y, z = cell.T
-    share, plane = np.maximum(planes.fronts[z, y, x], planes.backs[z, y, x]), planes.offsets[z, y, x]
+    density, plane = blockers.density[z, y, x], blockers.offsets[z, y, x]
     fraction, size, upwards = at - np.floor(at), np.abs(step), step > 0.0
     within = np.where(upwards, fraction, 1.0 - fraction)  # counted along the way, as all below
     there = np.where(upwards, plane, 1.0 - plane)
     begin = np.where(within > back * size, within - back * size, -1.0)
     end = np.where(within + ahead * size >= 1.0, 2.0, within)
     crossed = (there > begin) & (there <= end)
-    return np.prod(1.0 - np.where(crossed, share, 0.0), axis=-1)
+    further = (there - within) / np.maximum(size, 1e-6)  # steps from where this one ends to the plane
+    beside = (np.roll(fraction, -k, axis=-1) + further * np.roll(step, -k, axis=-1) for k in (2, 1))
+    covered = blockers.cover(np.clip(np.where(blockers.last[z, y, x], *beside), 0.0, 1.0), (z, y, x))
+    return np.prod(1.0 - np.where(crossed, density * covered, 0.0), axis=-1)

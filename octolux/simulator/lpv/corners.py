@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from octolux.simulator.lpv.geometry import STEPS, Planes
+from octolux.simulator.lpv.geometry import STEPS, Blockers
 
 LEAST = 2.0**-10
 """Sum of weights below which all corners are as good as blocked: what little passes would be rounding's choice."""
@@ -30,7 +30,7 @@ CORNERS = np.array(list(np.ndindex(2, 2, 2)))[:, ::-1]
 """The eight cells from the lowest one, (8, 3) x, y, z: x changes first."""
 
 
-def corner_weights(place, planes: Planes | None = None) -> tuple[np.ndarray, np.ndarray]:
+def corner_weights(place, planes: Blockers | None = None) -> tuple[np.ndarray, np.ndarray]:
     """How much each of the eight cells around places (M, 3), in cells of a volume from its corner, counts: the lowest
     of them (M, 3), which may lie one beyond the volume, and weights (M, 8), which add up to 1, of CORNERS. planes: of
     the volume, as at its rim also beyond it; None for no occlusion."""
@@ -40,7 +40,7 @@ def corner_weights(place, planes: Planes | None = None) -> tuple[np.ndarray, np.
     between = np.where(CORNERS == 1, part[:, None], 1.0 - part[:, None]).prod(axis=-1)
     if planes is None:
         return first, between
-    x, y, z = np.moveaxis(corner_cells(first, len(planes.fronts)), -1, 0)
+    x, y, z = np.moveaxis(corner_cells(first, len(planes.offsets)), -1, 0)
     seen = between * _passed(part + 0.5, planes.shares[z, y, x], planes.offsets[z, y, x])
     whole = seen.sum(axis=-1, keepdims=True)
     return first, np.where(whole > LEAST, seen / np.maximum(whole, LEAST), between)
@@ -51,7 +51,7 @@ def corner_cells(first: np.ndarray, n: int) -> np.ndarray:
     return np.clip(first[:, None] + CORNERS, 0, n - 1)
 
 
-def read_corners(cells, place, planes: Planes | None = None) -> np.ndarray:
+def read_corners(cells, place, planes: Blockers | None = None) -> np.ndarray:
     """What `cells` [z][y][x]... hold at places (M, 3): (M, ...)."""
     first, weights = corner_weights(place, planes)
     x, y, z = np.moveaxis(corner_cells(first, len(cells)), -1, 0)

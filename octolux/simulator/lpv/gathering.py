@@ -23,7 +23,7 @@ import numpy as np
 from octolux.simulator import sh as harmonics
 from octolux.simulator.form_factors import squares_with_a_common_edge
 from octolux.simulator.lpv.cones import CONE_LENGTH, TOUCHES, WHOLE, cone_transmittance
-from octolux.simulator.lpv.geometry import Planes
+from octolux.simulator.lpv.geometry import Blockers
 from octolux.simulator.lpv.octree import build_levels
 from octolux.simulator.lpv.transfer import DIRECTIONS
 
@@ -104,7 +104,7 @@ def coarsest_read(levels: int, base: int = 0) -> int:
 
 
 def gather(
-    cells, nodes: Sequence[Nodes], cell_size: float, geometry: Sequence[Planes] | None = None, *,
+    cells, nodes: Sequence[Nodes], cell_size: float, geometry: Sequence[Blockers] | None = None, *,
     base: int = 0, origins: Sequence[tuple[int, int, int]] = (), ends: Sequence[np.ndarray] = (), n: int = 0,
 ) -> np.ndarray:  # fmt: skip
     """Irradiance (M, 6, 3) [face][rgb], W/m^2 (lx), on small faces in the middle of `cells` (M, 3) of level `base`

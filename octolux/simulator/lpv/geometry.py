@@ -9,9 +9,11 @@ Steps of propagation pass faces between cells and need the shares alone (`face_t
 where in its cells the surfaces lie, too: a way of length L (in cells) through a cell along u meets a surface that may
 be anywhere in it with a chance of |u| L along each axis, so that shares alone let 1 - a.|u| L pass. That is right on
 average and wrong each time: a wall dims what runs past it within its cells, and of what goes through it some passes.
-So a cell also has three planes, one across each axis, at the mean place of the surfels by their shares (`Planes`). A
-way is blocked by the share of each plane it crosses, and by none that it does not: of a wall across an axis exactly
-what goes through. Planes anywhere in the cell give a.|u| L again, as the chance to cross one is its |u| L.
+So a cell also has three planes, one across each axis, at the mean place of the surfels by their shares (`Planes`), and
+of each plane a part, a strip around that place (`Strips`). A way is blocked by each strip it crosses, and by none that
+it does not: of a wall across an axis exactly what goes through, of a curtain's folds, whose sides face along it, what
+goes through the curtain and not what runs along before it. Surfaces anywhere in the cell give a.|u| L again, as the
+chance to cross their plane is its |u| L.
 
 A plane is crossed once, but a closed object twice: by a front, which faces the way, and by a back. Over a closed
 surface the integral of n dA is zero, so that along each axis the fronts, n > 0, and the backs, n < 0, have the same
@@ -21,13 +23,12 @@ once, as does a wall of two faces, or of one. A coarser cell's fronts are made o
 their backs, as an object may be cut by the face between two children, each of which has one of its sides.
 
 Where this is not exact:
-- Surfaces at a slant are stairs: each of their cells has a plane across either axis, crossed in the cell's whole width.
-  What goes through is blocked, but so is what runs along within their cells. Where the surface leaves a cell through
-  its side, neighbours have a share b and 1 - b of it across that axis, and b (1 - b) of the light between them passes.
+- Surfaces at a slant are stairs: each of their cells has a strip across either axis, as high as the surface rises
+  in it. What goes through is blocked, but so is some of what runs along within their cells.
 - Of several parallel walls in a cell there is one, in their middle, as closed as all that face one way together, up to
   a wall. Sheets beside one another that face either way, as leaves may, block no more than the larger part of them.
 - An object that is cut by the face between two cells has a plane in each, and a way may cross both.
-- A plane spans its cell. Of half a wall, half the light passes wherever it crosses.
+- Of a surface that is no strip, or of several, what is known is where its middle lies and how much it blocks.
 - Planes of a coarser cell lie at the mean of its children's (`coarser_planes`): a wall along the axes where it was, two
   walls that it holds in their middle. The coarser the cells, the farther away is what they block (cones.py).
 
@@ -38,7 +39,7 @@ it, so that what a window's cells block does not depend on where the others lie.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -50,27 +51,82 @@ BEHIND = 2.0**-8
 then in one of them whole, and rounding of its place (some 1e-5 of a cell) does not share it out among both."""
 
 STEPS = 31, 32
-"""Of a packed share, which is rounded, and of a plane's place, which lies in the middle of its step: 5 bits each."""
+"""Of a packed share, which is rounded, as are a strip's ends; and of a plane's place, which lies in the middle of
+its step: 5 bits each."""
+
+
+class Strips(NamedTuple):
+    """What of a cell's three planes blocks, float64 [z][y][x][3] for those across x, y and z. density: share of light
+    that the strip blocks.  offsets: where along its axis the plane lies, from 0 to 1 in the cell.  low, high: between
+    these the strip lies, in the cell; along the axis after its own (y for x, z for y, x for z), or where `last` along
+    the one after that, and all through the cell along the other."""
+
+    density: np.ndarray
+    offsets: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    last: np.ndarray
+
+    @property
+    def shares(self) -> np.ndarray:
+        """Of the cell's cross section, what is blocked along x, y and z."""
+        return self.density * (self.high - self.low)
+
+    @property
+    def strips(self) -> Strips:
+        return self
+
+    def cover(self, places: np.ndarray, which: Any = ...) -> np.ndarray:
+        """How much of the strips `which` is at `places` (..., 3), in the cell, along their axes: (..., 3).
+
+        Ends within the cell are soft, as nothing says that what is there is a strip, and as light would jump where ways
+        pass them: over as much on either side as there is room, to the strip's middle and to the cell's side, at least
+        half a step of what is kept. All of it together is as large as with hard ends."""
+        low, high = self.low[which], self.high[which]
+        half, least = 0.5 * (high - low), 0.5 / STEPS[0]
+        from_low = np.clip(0.5 + 0.5 * (places - low) / np.maximum(np.minimum(low, half), least), 0.0, 1.0)
+        to_high = np.clip(0.5 + 0.5 * (high - places) / np.maximum(np.minimum(1.0 - high, half), least), 0.0, 1.0)
+        return np.where(low == 0.0, 1.0, from_low) * np.where(high == 1.0, 1.0, to_high)
 
 
 class Planes(NamedTuple):
     """Float64 [z][y][x][3] each. fronts, backs: of the cell's cross section along x, y and z, what surfaces fill whose
     normals point along the axis, and against it, at most 1 each. offsets: where along the axis its plane lies, from 0
-    to 1 in the cell; of no meaning without a share."""
+    to 1 in the cell; nexts, lasts: where in it their middle does, along the axis after that (y for x, z for y, x for z)
+    and the one after both. Of no meaning without a share."""
 
     fronts: np.ndarray
     backs: np.ndarray
     offsets: np.ndarray
+    nexts: np.ndarray
+    lasts: np.ndarray
 
     @classmethod
-    def sheets(cls, shares: np.ndarray, offsets: np.ndarray) -> Planes:
-        """Of surfaces that all face along the axes."""
-        return cls(shares, np.zeros_like(shares), offsets)
+    def sheets(cls, shares: np.ndarray, offsets: np.ndarray, nexts=0.5, lasts=0.5) -> Planes:
+        """Of surfaces that all face along the axes; in the middle of their planes, if nothing else is said."""
+        aside = (np.broadcast_to(np.asarray(v, dtype=np.float64), shares.shape) for v in (nexts, lasts))
+        return cls(shares, np.zeros_like(shares), offsets, *aside)
 
     @property
     def shares(self) -> np.ndarray:
         """Of the cell's cross section, what is blocked along x, y and z."""
         return np.maximum(self.fronts, self.backs)
+
+    @property
+    def strips(self) -> Strips:
+        """The widest ones with the surfaces' middles, along the axis on which they are narrower; the surfaces' share of
+        the cross section is spread over them evenly. If that is more than they are, as where surfels are few and their
+        mean is not well known, strips as wide as the share, the nearest to it in the cell: a whole wall always fills
+        its plane."""
+        aside = np.abs(np.stack([self.nexts, self.lasts]) - 0.5)
+        last = aside[1] >= aside[0]
+        middle, share = np.where(last, self.lasts, self.nexts), self.shares
+        width = np.maximum(1.0 - 2.0 * aside.max(axis=0), np.maximum(share, 1.0 / STEPS[0]))
+        low = np.clip(middle - 0.5 * width, 0.0, 1.0 - width)
+        return Strips(np.minimum(1.0, share / width), self.offsets, low, low + width, last)
+
+
+Blockers = Planes | Strips
 
 
 def inject_surfels(position, normal, area, grid: Grid) -> np.ndarray:
@@ -87,11 +143,9 @@ def inject_planes(position, normal, area, grid: Grid) -> Planes:
     """What faces along the axes, and against them, and where both lie: the mean, of which a surfel has its share, at
     most 1, as weight."""
     cells, weights, within, front = _surfels_in_cells(position, normal, area, grid)
-    fronts, backs, moments = (
-        _sum_in_cells(cells, values, grid)
-        for values in (np.where(front, weights, 0.0), np.where(front, 0.0, weights), weights * within)
-    )  # fmt: skip
-    return planes_of(fronts, backs, moments)
+    sides = (np.where(front, weights, 0.0), np.where(front, 0.0, weights))
+    moments = (weights * np.roll(within, -aside, axis=-1) for aside in range(3))
+    return planes_of(*(_sum_in_cells(cells, values, grid) for values in (*sides, *moments)))
 
 
 def _surfels_in_cells(position, normal, area, grid: Grid):
@@ -112,10 +166,11 @@ def _sum_in_cells(cells, values: np.ndarray, grid: Grid) -> np.ndarray:
     return sums
 
 
-def planes_of(fronts: np.ndarray, backs: np.ndarray, moments: np.ndarray) -> Planes:
-    """Shares of at most 1 each, at their mean places: moments are sums of shares of both times places."""
-    both = fronts + backs
-    return Planes(np.minimum(fronts, 1.0), np.minimum(backs, 1.0), moments / np.where(both > 0.0, both, 1.0))
+def planes_of(fronts: np.ndarray, backs: np.ndarray, *moments: np.ndarray) -> Planes:
+    """Shares of at most 1 each, at their mean places: moments are sums of shares of both times places, along the
+    share's own axis, the next and the last."""
+    both = np.where(fronts + backs > 0.0, fronts + backs, 1.0)
+    return Planes(np.minimum(fronts, 1.0), np.minimum(backs, 1.0), *(m / both for m in moments))
 
 
 def merge_buffers(volumes: Sequence[np.ndarray]) -> np.ndarray:
@@ -127,8 +182,8 @@ def merge_planes(volumes: Sequence[Planes]) -> Planes:
     """As `merge_buffers`, fronts and backs apart: each of the two may be what another buffer has seen. Along each axis
     the plane of the buffer that has the largest share, the first of equals."""
     first = np.argmax([v.shares for v in volumes], axis=0)[None]
-    offsets = np.take_along_axis(np.stack([v.offsets for v in volumes]), first, axis=0)[0]
-    return Planes(merge_buffers([v.fronts for v in volumes]), merge_buffers([v.backs for v in volumes]), offsets)
+    places = (np.take_along_axis(np.stack(each), first, axis=0)[0] for each in list(zip(*volumes, strict=True))[2:])
+    return Planes(merge_buffers([v.fronts for v in volumes]), merge_buffers([v.backs for v in volumes]), *places)
 
 
 def geometry_levels(finest: np.ndarray, coarsest: int = 1) -> list[np.ndarray]:
@@ -140,19 +195,13 @@ def geometry_levels(finest: np.ndarray, coarsest: int = 1) -> list[np.ndarray]:
     return levels
 
 
-def moments_of(planes: Planes) -> np.ndarray:
-    """Shares of both sides times their place [z][y][x][3]."""
-    return (planes.fronts + planes.backs) * planes.offsets
-
-
-def coarser_planes(planes: Planes) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def coarser_planes(planes: Planes) -> list[np.ndarray]:
     """Of the next coarser level, [z][y][x][3] each: a quarter of the sum of the children's fronts, and of their backs,
     as the cross section is 4 times as large, not limited; and the moments of both, with places in the parent."""
     z, y, x = np.indices(planes.fronts.shape[:3]) % 2
-    corner = np.stack([x, y, z], axis=-1)
-    in_parent = planes._replace(offsets=0.5 * (planes.offsets + corner))
-    fronts, backs, moments = (downsample(0.25 * v, "sum") for v in (planes.fronts, planes.backs, moments_of(in_parent)))
-    return fronts, backs, moments
+    corner, both = np.stack([x, y, z], axis=-1), planes.fronts + planes.backs
+    moments = (both * 0.5 * (place + np.roll(corner, -aside, axis=-1)) for aside, place in enumerate(planes[2:]))
+    return [downsample(0.25 * values, "sum") for values in (*planes[:2], *moments)]
 
 
 def plane_levels(finest: Planes) -> list[Planes]:
@@ -164,16 +213,26 @@ def plane_levels(finest: Planes) -> list[Planes]:
 
 
 def pack_planes(planes: Planes) -> np.ndarray:
-    """A word for each cell, uint32 [z][y][x]: 10 bits an axis, x in the lowest, of which the lower 5 are the share."""
-    share = np.rint(STEPS[0] * planes.shares).astype(np.uint32)
-    plane = np.minimum(STEPS[1] * planes.offsets, STEPS[1] - 1).astype(np.uint32)
-    return (share | plane << 5) @ np.array([1, 1 << 10, 1 << 20], np.uint32)
+    """Four words for each cell, uint32 [z][y][x][4]: of x, y and z the strip's density, its plane's place, and its low
+    and its high end, 5 bits each from the lowest on, and one for which axis that is along; and nothing, as in cells
+    without surfaces. The density is that of strips with the ends that are kept."""
+    of = planes.strips
+    low, high = (np.floor(STEPS[0] * end + 0.5).astype(np.uint32) for end in (of.low, of.high))
+    density = np.rint(STEPS[0] * np.minimum(1.0, STEPS[0] * planes.shares / (high - low))).astype(np.uint32)
+    place = np.minimum(STEPS[1] * of.offsets, STEPS[1] - 1).astype(np.uint32)
+    words = (density, place, low, high, of.last.astype(np.uint32))
+    packed = np.bitwise_or.reduce([word << np.uint32(5 * i) for i, word in enumerate(words)])
+    packed[~planes.shares.any(axis=-1)] = 0
+    return np.pad(packed, [(0, 0)] * 3 + [(0, 1)])
 
 
-def unpack_planes(words) -> Planes:
-    """What `pack_planes` has kept: shares to 1/62, as of sheets, places to 1/64 of a cell."""
-    axes = np.asarray(words)[..., None] >> np.array([0, 10, 20], np.uint32)
-    return Planes.sheets((axes & 31) / STEPS[0], ((axes >> 5 & 31) + 0.5) / STEPS[1])
+def unpack_planes(words) -> Strips:
+    """What `pack_planes` has kept: shares and ends to 1/62, places to 1/64 of a cell."""
+    density, place, low, high, last = np.moveaxis(
+        np.asarray(words)[..., :3, None] >> np.arange(0, 25, 5, dtype=np.uint32) & 31, -1, 0
+    )
+    ends = low / STEPS[0], high / STEPS[0]
+    return Strips(density / STEPS[0], (place + 0.5) / STEPS[1], *ends, last.astype(bool))
 
 
 def face_transmittance(shares) -> np.ndarray:

@@ -35,6 +35,7 @@ SURFELS = Struct("Surfels", first="u32", count="u32", width="u32", block="u32", 
 # takes no more, so that no sum comes near 2^32. Where planes are summed besides, whose mean needs all, sums go on
 # beyond 32 bits (surfel.wgsl): as far as 2^_BITS. So a wall has more bits, which small texels near a lamp need.
 _ONE, _FINER_ONE, _BITS = 1 << 16, 1 << 24, 42
+_PLACES = "offsets", "nexts", "lasts"
 _AT_ONCE = 4  # buffers that have sums of their own, if they fit in one binding
 
 
@@ -46,9 +47,9 @@ def fixed_point_wall(surfels: int, planes: bool) -> int:
 
 class GeometryVolume:
     """`volume`: buffers of vec4f [level][z][y][x], by name. "shares": of the cell's cross section, what is blocked
-    along x, y and z. With `planes` instead "fronts" and "backs", the larger of which is blocked, and "offsets", where
-    both lie in the cell, from 0 to 1; and `packed`: what is blocked, and where, in a word, for those who read many,
-    after `pack`.
+    along x, y and z. With `planes` instead "fronts" and "backs", the larger of which is blocked, and where both lie in
+    the cell, from 0 to 1: "offsets", and "nexts" and "lasts" along the two axes after it; and `packed`: what is
+    blocked, and where, in four words, for those who read many, after `pack`.
 
     coarsest level as in `levels`. camera: the G-buffer's surfaces count besides those that lights see. Each surfel is
     in every window that holds it: what they hold does not depend on where the others lie.
@@ -58,14 +59,17 @@ class GeometryVolume:
         self.device, self.levels, self.n, self._camera, self.planes = device, levels, levels.sizes[0], camera, planes
         self._cells = levels.windows * self.n**3
         self._windows = levels.windows
-        bytes_of_sums = self._cells * (48 if planes else 12)
+        bytes_of_sums = self._cells * (48 if planes else 12)  # more than those beside have
         self._at_once = max(1, min(_AT_ONCE, DEFAULT_LIMITS["max-storage-buffer-binding-size"] // bytes_of_sums))
         self._sides = ("fronts", "backs") if planes else ("shares",)
         self.volume = {
             name: device.buffer("LPV geometry volume", size=levels.cells * 16)
-            for name in (*self._sides, *(("offsets",) if planes else ()))
+            for name in (*self._sides, *(_PLACES if planes else ()))
         }  # fmt: skip
-        self._sums = device.buffer("LPV surfel sums", size=self._at_once * bytes_of_sums)
+        self._sums = {"sums": device.buffer("LPV surfel sums", size=self._at_once * bytes_of_sums)}
+        if planes:
+            beside = self._at_once * self._cells * 32
+            self._sums["sums_beside"] = device.buffer("LPV surfel sums", size=beside)
         self._surfels: list[Any] = []
         self._passes: dict[tuple[bool, bool], ComputePass] = {}
         self._values: dict[str, Any] = {
@@ -75,14 +79,15 @@ class GeometryVolume:
         self._merges = {  # by the number of buffers: one is all that the whole scene has, and cheaper
             at_once: ComputePass(
                 device, "merge surfels", "techniques/lpv/surfels_merge.wgsl",
-                [uniform("surfels", SURFELS), storage_rw("sums", "u32"), *self._volume_bindings()], structs=[SURFELS],
-                workgroup=(64, 1, 1), at_once=at_once, **self._values,
+                [uniform("surfels", SURFELS), *(storage_rw(name, "u32") for name in self._sums),
+                 *self._volume_bindings()],
+                structs=[SURFELS], workgroup=(64, 1, 1), at_once=at_once, **self._values,
             ) for at_once in {1, self._at_once}
         }  # fmt: skip
         self._downsampling = None
         self._coarser: list[tuple[int, ComputePass]] = []
         if planes:
-            self.packed = device.buffer("LPV geometry volume", size=levels.cells * 4)
+            self.packed = device.buffer("LPV geometry volume", size=levels.cells * 16)
             self._make_plane_passes()
         elif levels.windows == 1:
             self._downsampling = Downsampling(device, levels, per_cell=1, factor=0.25, limit=1.0)
@@ -95,7 +100,8 @@ class GeometryVolume:
     def _surfel_pass(self, camera: bool, static_only: bool) -> ComputePass:
         """Surfels of the G-buffer or an RSM. static_only: of what does not move."""
         if (camera, static_only) not in self._passes:
-            common = [uniform("surfels", SURFELS), grids_binding(self.levels.windows), atomic_words("sums", "u32")]
+            common = [uniform("surfels", SURFELS), grids_binding(self.levels.windows)]
+            common += [atomic_words(name, "u32") for name in self._sums]
             bindings, structs = [*common, records("vpls", VPL)], [SURFELS, GRID, VPL]
             if camera:
                 own = pixel_bindings() if static_only else [texture("surface_map", "uint")]
@@ -123,7 +129,7 @@ class GeometryVolume:
             self._coarser.append((n // 2, made))
         self._pack = ComputePass(
             device, "pack shares", "techniques/lpv/pack_shares.wgsl",
-            [*(storage(name, "vec4f") for name in self.volume), storage_rw("packed", "u32", "write")],
+            [*(storage(name, "vec4f") for name in self.volume), storage_rw("packed", "vec4u", "write")],
             workgroup=(64, 1, 1), row=ROW, cells=levels.cells,
         )  # fmt: skip
 
@@ -161,7 +167,7 @@ class GeometryVolume:
         one = fixed_point_wall(max((buffer.total for buffer in buffers), default=0), self.planes)
         for number, buffer in enumerate(buffers):
             surfels = self._surfels_buffer(number, one, buffer.where)
-            common = {"surfels": surfels, "grids": grids, "sums": self._sums}
+            common = {"surfels": surfels, "grids": grids, **self._sums}
             threads = (walks(buffer.count, buffer.width), self._windows)
             for layer in buffer.layers:
                 if isinstance(layer, LampLayer):
@@ -174,7 +180,7 @@ class GeometryVolume:
             last = number % self._at_once
             if last == self._at_once - 1 or number == len(buffers) - 1:
                 merge = self._merges[self._at_once if last else 1]
-                merge.run(stage, (self._cells,), surfels=surfels, sums=self._sums, **volume)
+                merge.run(stage, (self._cells,), surfels=surfels, **self._sums, **volume)
 
     def pack(self, stage: Any) -> None:
         """Make `packed` of the shares and their planes."""

@@ -9,9 +9,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     let inside = all(before >= vec3i(0)) && all(before < vec3i({{ n }}));
     let source = select(0u, {{ n }}u * {{ n }}u * {{ n }}u * window + u32(before.x + {{ n }} * (before.y + {{ n }} * before.z)), inside);
     let kept = inside && ((forgotten[cell >> 5u] >> (cell & 31u)) & 1u) == 0u;
-    {% for name, count in contents.items() %}
     {% for k in range(count) %}
-    {{ name }}_out[{{ count }}u * cell + {{ k }}u] = select(vec4f(0.0), {{ name }}[{{ count }}u * source + {{ k }}u], kept);
-    {% endfor %}
+    cells_out[{{ count }}u * cell + {{ k }}u] = select(vec4f(0.0), cells[{{ count }}u * source + {{ k }}u], kept);
     {% endfor %}
 }

@@ -35,13 +35,16 @@ class KeptCells:
         )
         self._forgotten = device.buffer("LPV forgotten cells", size=cells // 8)  # a bit a cell
         self._shifts = device.uniform("LPV shifts", SHIFT.array(windows))
-        self._move = ComputePass(
-            device, "keep surfels", "techniques/lpv/keep_cells.wgsl",
-            [uniform("shifts", f"array<Shift, {windows}>"), storage("forgotten", "u32"),
-             *(storage(name, "vec4f") for name in contents),
-             *(storage_rw(f"{name}_out", "vec4f", "write") for name in contents)],
-            structs=[SHIFT], workgroup=(4, 4, 4), n=self.n, contents=dict(contents),
-        )  # fmt: skip
+        # A pass for each buffer: together they would be more than a pass may have.
+        self._move = {
+            count: ComputePass(
+                device, "keep surfels", "techniques/lpv/keep_cells.wgsl",
+                [uniform("shifts", f"array<Shift, {windows}>"), storage("forgotten", "u32"), storage("cells", "vec4f"),
+                 storage_rw("cells_out", "vec4f", "write")],
+                structs=[SHIFT], workgroup=(4, 4, 4), n=self.n, count=count,
+            ) for count in set(contents.values())
+        }  # fmt: skip
+        self._contents = dict(contents)
         self._cells, self._windows = cells, windows
         self._grids: tuple[Grid, ...] = ()
         self._scene: GpuScene | None = None
@@ -72,10 +75,11 @@ class KeptCells:
         packed["cells"] = shifts
         self.device.write(self._shifts, packed)
         self.device.write(self._forgotten, np.packbits(forgotten, bitorder="little"))
-        self._move.run(
-            stage, (self.n, self.n, self.n * self._windows), shifts=self._shifts, forgotten=self._forgotten,
-            **self.volume, **{f"{name}_out": buffer for name, buffer in self._other.items()},
-        )  # fmt: skip
+        for name, count in self._contents.items():
+            self._move[count].run(
+                stage, (self.n, self.n, self.n * self._windows), shifts=self._shifts, forgotten=self._forgotten,
+                cells=self.volume[name], cells_out=self._other[name],
+            )  # fmt: skip
         self.volume, self._other = self._other, self.volume
 
     def copy_to(self, stage: Any, volume: Mapping[str, Any]) -> None:

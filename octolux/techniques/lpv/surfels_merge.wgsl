@@ -4,24 +4,26 @@
 {% if planes %}
 
 // Three sums with what has gone beyond 32 bits.
-fn sum_of(at: u32, carries: u32) -> vec3f {
-    let beyond = (vec3u(sums[carries]) >> vec3u(0u, 10u, 20u)) & vec3u(1023u);
-    return vec3f(vec3u(sums[at], sums[at + 1u], sums[at + 2u])) + 4294967296.0 * vec3f(beyond);
+fn sum_of(low: vec3u, carries: u32) -> vec3f {
+    let beyond = (vec3u(carries) >> vec3u(0u, 10u, 20u)) & vec3u(1023u);
+    return vec3f(low) + 4294967296.0 * vec3f(beyond);
 }
 {% endif %}
 
 @compute @workgroup_size({{ workgroup }})
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= {{ cells }}u { return; }
-    {% for name in (("front", "back", "within") if planes else ("most",)) %}
+    {% for name in (("front", "back", "offset", "next", "last") if planes else ("most",)) %}
     var {{ name }} = vec3f(0.0);
     {% endfor %}
     {% for buffer in range(at_once) %}
     {
         let at = {{ numbers }}u * (id.x + {{ buffer * cells }}u);
         {% if planes %}
-        let fronts_sum = sum_of(at, at + 9u);
-        let backs_sum = sum_of(at + 3u, at + 10u);
+        {% for name in ("fronts", "backs", "moments") %}
+        {% set i = 3 * loop.index0 %}
+        let {{ name }}_sum = sum_of(vec3u(sums[at + {{ i }}u], sums[at + {{ i + 1 }}u], sums[at + {{ i + 2 }}u]), sums[at + {{ 9 + loop.index0 }}u]);
+        {% endfor %}
         let sum = fronts_sum + backs_sum;
         {% else %}
         let sum = vec3f(vec3u(sums[at], sums[at + 1u], sums[at + 2u]));
@@ -31,7 +33,18 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             let fronts_found = min(vec3f(1.0), fronts_sum / surfels.one);
             let backs_found = min(vec3f(1.0), backs_sum / surfels.one);
             let more = max(fronts_found, backs_found) > max(front, back);
-            within = select(within, sum_of(at + 6u, at + 11u) / max(sum, vec3f(1.0)), more); // mean of the buffer with the most
+            // Places are the means of the buffer with the most.
+            let beside = 8u * (id.x + {{ buffer * cells }}u);
+            {% for name in ("nexts", "lasts") %}
+            {% set i = 3 * loop.index0 %}
+            let {{ name }}_sum = sum_of(vec3u(sums_beside[beside + {{ i }}u], sums_beside[beside + {{ i + 1 }}u], sums_beside[beside + {{ i + 2 }}u]), sums_beside[beside + {{ 6 + loop.index0 }}u]);
+            {% endfor %}
+            {% for k in range(8) %}
+            sums_beside[beside + {{ k }}u] = 0u;
+            {% endfor %}
+            {% for place, sum in (("offset", "moments"), ("next", "nexts"), ("last", "lasts")) %}
+            {{ place }} = select({{ place }}, {{ sum }}_sum / max(sum, vec3f(1.0)), more);
+            {% endfor %}
             front = max(front, fronts_found);
             back = max(back, backs_found);
             {% else %}
@@ -49,7 +62,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     if any(most > vec3f(0.0)) {
         {% if planes %}
         let more = most > max(fronts[id.x].xyz, backs[id.x].xyz);
-        offsets[id.x] = vec4f(select(offsets[id.x].xyz, within, more), 0.0);
+        {% for place in ("offset", "next", "last") %}
+        {{ place }}s[id.x] = vec4f(select({{ place }}s[id.x].xyz, {{ place }}, more), 0.0);
+        {% endfor %}
         fronts[id.x] = max(fronts[id.x], vec4f(front, 0.0));
         backs[id.x] = max(backs[id.x], vec4f(back, 0.0));
         {% else %}

@@ -22,10 +22,10 @@ fn corners_at(window: u32, place: vec3f) -> Corners {
     {% if occlusion %}
     {% for corner in range(8) %}
     let cell_{{ corner }} = corner_cell(first, {{ corner }}u);
-    let word_{{ corner }} = geometry[{{ n**3 }}u * window + cell_{{ corner }}.x + {{ n }}u * (cell_{{ corner }}.y + {{ n }}u * cell_{{ corner }}.z)];
+    let words_{{ corner }} = geometry[{{ n**3 }}u * window + cell_{{ corner }}.x + {{ n }}u * (cell_{{ corner }}.y + {{ n }}u * cell_{{ corner }}.z)];
     // From 0 to 2 along each axis, from the lowest cell on: where the planes are, past which nothing goes.
-    let shares_{{ corner }} = shares_of(word_{{ corner }});
-    let planes_{{ corner }} = planes_of(word_{{ corner }}) + vec3f({{ corner % 2 }}.0, {{ corner // 2 % 2 }}.0, {{ corner // 4 }}.0);
+    let shares_{{ corner }} = shares_of(words_{{ corner }});
+    let planes_{{ corner }} = planes_of(words_{{ corner }}) + vec3f({{ corner % 2 }}.0, {{ corner // 2 % 2 }}.0, {{ corner // 4 }}.0);
     {% endfor %}
     {% for corner in range(8) %}
     {% set at = (corner % 2, corner // 2 % 2, corner // 4) %}

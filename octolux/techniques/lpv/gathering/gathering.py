@@ -82,7 +82,7 @@ class Gathering:
             device, "nodes", "techniques/lpv/gathering/nodes.wgsl", [light, moments, records_out("nodes", NODE)],
             structs=[NODE], workgroup=(64, 1, 1), cells=self.levels.cells, pi=pi, row=ROW, **SH_CONSTANTS,
         )  # fmt: skip
-        blockers = [storage("geometry", "u32")] if self._occlusion else []
+        blockers = [storage("geometry", "vec4u")] if self._occlusion else []
         used = count + gathering.coarsest_read(n.bit_length())
         coarsest = self.levels.sizes[used - 1]
         self._gather = ComputePass(
@@ -110,7 +110,7 @@ class Gathering:
             "closed": corners.LEAST, "unsure": corners.UNSURE,
         }  # fmt: skip
         if self.corners and self._occlusion:
-            seen.append(storage("geometry", "u32"))
+            seen.append(storage("geometry", "vec4u"))
         self._mark = ComputePass(
             self.device, "mark", "techniques/lpv/gathering/mark.wgsl", [*seen, atomic_words("marks", "u32")],
             structs=[VIEW, GRID, WINDOW], **values,

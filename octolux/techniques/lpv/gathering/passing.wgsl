@@ -8,16 +8,35 @@ struct Way { step: vec3f, size: vec3f, upwards: vec3<bool>, whole: f32 }
 // size of cells half as wide as it.
 struct Cone { node_size: f32, room: f32, length: f32 }
 
-// What the planes of the cell let through in which a step of a level ends after `travelled` (planes.wgsl){% if windows > 1 %}, or at the start. The
+// What the strips of the cell let through in which a step of a level ends after `travelled` (planes.wgsl){% if windows > 1 %}, or at the start. The
 // start's own cell is not part of it: `own` of what has been travelled{% endif %}.
 fn let_through(level: Level, way: Way, travelled: f32{% if windows > 1 %}, own: f32{% endif %}) -> f32 {
     let ends = {{ "clamp(travelled, 0.0, way.whole)" if windows > 1 else "min(travelled, way.whole)" }};
     let at = level.begin + (level.per_cell * ends) * way.step;
     let cell = vec3u(clamp(vec3i(floor(at)), vec3i(0), vec3i((1 << level.bits) - 1)));
-    let word = geometry[level.first + (cell.x | (cell.y << level.bits) | (cell.z << (2u * level.bits)))];
+    let words = geometry[level.first + (cell.x | (cell.y << level.bits) | (cell.z << (2u * level.bits)))];
     let back = {{ "way.size * min(1.0, level.per_cell * (ends - own))" if windows > 1 else "way.size" }};
-    let through = through_planes(word, at, way.upwards, back, way.size * min(1.0, level.per_cell * (way.whole - ends)));
+    let through = through_strips(words, at, way, back, way.size * min(1.0, level.per_cell * (way.whole - ends)));
     return through.x * through.y * through.z;
+}
+
+// What a cell's strips let through of a step that ends `at` (are_crossed), each as far as it is there (simulator/lpv/geometry.py,
+// `Strips.cover`). Where the way is beside the cell when it crosses a plane, the cell's side counts.
+fn through_strips(words: vec4u, at: vec3f, way: Way, back: vec3f, ahead: vec3f) -> vec3f {
+    let part = fract(at);
+    let plane = select(1.0 - planes_of(words), planes_of(words), way.upwards);
+    let within = select(1.0 - part, part, way.upwards);
+    let further = (plane - within) / max(way.size, vec3f(1e-6)); // steps from where this one ends to the plane
+    let along_last = words.xyz >= vec3u({{ 2**20 }}u);
+    let start = select(part.yzx, part.zxy, along_last);
+    let place = clamp(start + further * select(way.step.yzx, way.step.zxy, along_last), vec3f(0.0), vec3f(1.0));
+    let low = field(words, 10u);
+    let high = field(words, 15u);
+    let half = 0.5 * (high - low);
+    let from_low = saturate(0.5 + 0.5 * (place - low) / max(min(low, half), vec3f({{ 0.5 / 31 }})));
+    let to_high = saturate(0.5 + 0.5 * (high - place) / max(min(1.0 - high, half), vec3f({{ 0.5 / 31 }})));
+    let cover = select(from_low, vec3f(1.0), low == vec3f(0.0)) * select(to_high, vec3f(1.0), high == vec3f(1.0));
+    return vec3f(1.0) - select(vec3f(0.0), field(words, 0u) * cover, are_crossed(plane, within, back, ahead));
 }
 
 // How far in its layer of cells so wide a way is, from 0 to 1.

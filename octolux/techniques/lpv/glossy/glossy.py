@@ -115,7 +115,7 @@ class Glossy(_Rays):
         )  # fmt: skip
         read = [texture(f"{name}_volume", "float", "3d") for name in formats]
         super().__init__(
-            device, levels, "march", [*([storage("geometry", "u32")] if occlusion else []), *read], lookup_offset,
+            device, levels, "march", [*([storage("geometry", "vec4u")] if occlusion else []), *read], lookup_offset,
             resolution, used=used, slots=slots, occlusion=occlusion, steps=round((cells or windows * n) / step),
             step=float(step), forgets=glossy.FORGETS**step, least=glossy.LEAST, left=glossy.LEFT, met=glossy.MET,
             near=glossy.NEAR, look_ahead=glossy.LOOK_AHEAD, short=SHORT,

@@ -91,9 +91,12 @@ fn incident(point: vec3f, direction: vec3f, base: u32, cone_of_way: f32, wanted:
         let next = step_of(point, towards, next_level, from_face + 0.5 * next_width, cone);
         {% if occlusion %}
         let cell = vec3u(clamp(vec3i(floor(now.at)), vec3i(0), vec3i(i32(edge) - 1)));
-        let word = geometry[first_of(level) + cell.x + edge * (cell.y + edge * cell.z)];
+        let words = geometry[first_of(level) + cell.x + edge * (cell.y + edge * cell.z)];
         let ahead = width * select(1.0, 1.5, next.up); // the first middle of a coarser level is up to so far away
-        let through = through_planes(word, now.at, upwards, per_cell * (middle - before) * sizes, per_cell * ahead * sizes);
+        let within = select(1.0 - fract(now.at), fract(now.at), upwards);
+        let plane = select(1.0 - planes_of(words), planes_of(words), upwards);
+        let crossed = are_crossed(plane, within, per_cell * (middle - before) * sizes, per_cell * ahead * sizes);
+        let through = vec3f(1.0) - select(vec3f(0.0), shares_of(words), crossed);
         let unmet = min(vec3f(1.0), through + {{ met }} * saturate((middle - since) * per_cell - 2.0) * front.a);
         passed *= select(1.0, unmet.x * unmet.y * unmet.z, now.here);
         let blocked = max(0.0, left - passed);
