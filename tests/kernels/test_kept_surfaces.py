@@ -46,10 +46,10 @@ def made_anew(made: Renderer, camera) -> bool:
 def held(made: Renderer) -> list[np.ndarray]:
     """Shares, where they are, and what they reflect; a plane without a share may be anywhere."""
     way = made.technique.way
-    words = read_buffer(made.device, way.geometry.packed, np.uint32)[: way.levels.cells]
-    planes = unpack_planes(words)
+    words = read_buffer(made.device, way.geometry.packed, np.uint32).reshape(-1, 4)[: way.levels.cells]
+    strips = unpack_planes(words)
     reflectors, places = way.reflectors.reflectors, way.reflectors.places
-    return [planes.shares, np.where(planes.shares > 0.0, planes.offsets, 0.0),
+    return [strips.shares, *(np.where(strips.shares > 0.0, each, 0.0) for each in strips[1:]),
             read_buffer(made.device, reflectors), read_buffer(made.device, places)]  # fmt: skip
 
 
