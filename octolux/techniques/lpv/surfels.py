@@ -10,8 +10,8 @@ from ...frame.peeling import LampLayer
 from ...frame.scene_surfels import SceneSurfels
 
 SAMPLES = 4
-"""Of a wall, along each edge of a cell of the finest grid, where the scene's own surfaces are sampled: where a wall ends
-in a cell is known to an eighth of it, if the scene does not need more samples than there may be."""
+"""Of a wall, along each edge of a cell of the finest grid, where the scene's own surfaces are sampled: where a wall
+ends in a cell is known to an eighth of it, if the scene does not need more samples than there may be."""
 
 GBUFFER_SAMPLES = 256  # surfels along the longer side of the picture: as many as an RSM has
 
