@@ -33,6 +33,10 @@ from .olpv_rooms import room
 from .registry import at_most, figure
 
 SIZE = (160, 90)
+BALL_SIZE = (320, 180)
+"""Pixels a twelfth of a cell wide: ambient occlusion is filtered over 4 x 4 of them, which must not be as wide as the
+way from the ball to what is counted. In 160 x 90, where they are 2/3 of a cell, its own shadow reaches there."""
+
 FRAMES = 41
 """Four cells, so that the lamp crosses cells of the two finest cascades."""
 
@@ -83,11 +87,13 @@ def second_differences(light: Sequence[np.ndarray], counted: np.ndarray) -> np.n
     return 3.0 * np.abs(a - 2.0 * b + c) / (a + b + c)
 
 
-def rendered(text: str, frames: Sequence[Scene], camera: Any) -> tuple[list[np.ndarray], list[Any]]:
+def rendered(
+    text: str, frames: Sequence[Scene], camera: Any, size: tuple[int, int] = SIZE
+) -> tuple[list[np.ndarray], list[Any]]:
     """Indirect irradiance of each frame, mean of the channels, lx (height, width), and the pictures."""
     one = choice(text)
     renderer = Renderer(
-        frames[0], one.technique, settings=one.settings, size=SIZE, exposure=0.0, device=device(), frame_settings=MAPS
+        frames[0], one.technique, settings=one.settings, size=size, exposure=0.0, device=device(), frame_settings=MAPS
     )
     light, pictures = [], []
     for scene in frames:
@@ -109,7 +115,7 @@ def ball_flicker(text: str, cascade: int) -> dict[str, float]:
     irradiance at most, which changes with the inverse square of the distance, 6 (1/10)^2 / 16 = 0.4 %.
     """
     frames = table_top(cascade)
-    light, pictures = rendered(text, frames, 0)
+    light, pictures = rendered(text, frames, 0, BALL_SIZE)
     size = cell_sizes(frames[0])[cascade]
     counted = pictures[0].mask.copy()
     for scene, picture in zip(frames, pictures, strict=True):
