@@ -9,7 +9,7 @@ from test_simulator_planes import PLACE, wall
 
 from octolux.simulator.lpv import geometry
 from octolux.simulator.lpv.cones import CONE_LENGTH, FADE, SHORT, WHOLE, cone_transmittance
-from octolux.simulator.lpv.geometry import Planes
+from octolux.simulator.lpv.strips import Planes, pack_planes, unpack_planes
 
 
 class Ways:
@@ -72,8 +72,8 @@ def test_a_packed_wall_does_too(axis):
     slope = np.abs(ways.end - ways.start)[:, axis] / ways.away
     for place in (13.44, 31.99, 49.28):
         levels = wall(axis, place, n=64)
-        words = [geometry.pack_planes(level) for level in levels]
-        found = ways.transmittance([geometry.unpack_planes(w) for w in words])
+        words = [pack_planes(level) for level in levels]
+        found = ways.transmittance([unpack_planes(w) for w in words])
         near = np.minimum(*(np.abs(x[:, axis] - place) for x in (ways.start, ways.end))) <= PLACE * ways.widest
         crosses = ways.crosses(axis, place) & ~near & (slope > 1 / 16)
         assert np.all(found[crosses] == 0.0) and crosses.sum() > 200
@@ -103,36 +103,6 @@ def test_shares_are_what_passes_on_average():
         found.append(cone_transmittance([Planes.sheets(shares, offsets)], start, end, 1.0))
     expected = (1.0 - share / 4.0) ** 7
     assert abs(np.mean(found) - expected) < 4.0 * np.std(found) / np.sqrt(np.size(found))
-
-
-@pytest.mark.parametrize("axis", [0, 1, 2])
-def test_half_a_wall_stops_what_goes_through_that_half(axis):
-    """Across `axis`, as far as 1/2 along the next: all below 1/4, nothing above 3/4, evenly less between
-    (Strips.cover). Of ways from one cell's middle up to the wall's place, 6 cells away, to the next side."""
-    next_axis, place = (axis + 1) % 3, 8.5
-    shares, middles = np.zeros((N, N, N, 3)), np.full((N, N, N, 3), 0.25)
-    np.moveaxis(shares, 2 - axis, 0)[8, ..., axis] = 0.5
-    levels = [Planes.sheets(shares, np.full(shares.shape, 0.5), nexts=middles)]
-    start, aims = np.full((50, 3), 4.5), np.linspace(0.01, 0.99, 50)
-    start[:, axis] = 2.5
-    end = start.copy()
-    end[:, axis], end[:, next_axis] = 14.5, 4.5 + 2.0 * (aims - 0.5)  # half-way at the wall
-    assert np.all(place - start[:, axis] == 0.5 * (end - start)[:, axis])
-    found = cone_transmittance(levels, start, end, 1.0)
-    np.testing.assert_allclose(found, np.clip(2.0 * aims - 0.5, 0.0, 1.0), atol=4e-4)  # SHORT, 2 / w of it
-
-
-def test_folds_do_not_dim_what_runs_along_before_them():
-    """A curtain across z at 0.9 of its cells, whose folds' sides, 0.2 of the cross section, face along x and lie around
-    there, from 0.8 on: ways along x at 0.5 pass, those through the curtain do not. Folds all through the cells dim."""
-    shares, offsets = np.zeros((N, N, N, 3)), np.full((N, N, N, 3), 0.9)
-    shares[8, ..., 2], shares[8, ..., 0] = 1.0, 0.2
-    start, end = np.array([[2.5, 7.5, 8.5]]), np.array([[13.5, 7.5, 8.5]])
-    folds = Planes.sheets(shares, offsets, lasts=offsets)  # z is the last axis of x
-    assert cone_transmittance([folds], start, end, 1.0) == 1.0
-    assert cone_transmittance([folds], start, end + np.array([0.0, 0.0, 5.0]), 1.0) == 0.0
-    anywhere = Planes.sheets(shares, offsets)
-    np.testing.assert_allclose(cone_transmittance([anywhere], start, end, 1.0), 0.8**10)
 
 
 def test_ways_in_a_room_are_not_dimmed():

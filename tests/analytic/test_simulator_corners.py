@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from octolux.simulator.lpv.corners import CORNERS, LEAST, UNSURE, corner_cells, corner_weights, read_corners
-from octolux.simulator.lpv.geometry import Planes
+from octolux.simulator.lpv.strips import Planes
 
 N = 8
 MIDDLES = np.stack(np.meshgrid(*[np.arange(N) + 0.5] * 3, indexing="ij")[::-1], axis=-1)  # [z][y][x][3]

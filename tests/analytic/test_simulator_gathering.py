@@ -24,7 +24,7 @@ from octolux.simulator.form_factors import (
     point_to_parallel_square,
     squares_with_a_common_edge,
 )
-from octolux.simulator.lpv import gathering, geometry
+from octolux.simulator.lpv import gathering, geometry, strips
 from octolux.simulator.lpv.transfer import DIRECTIONS
 
 N, H, RADIANCE = 16, 0.25, 3.0
@@ -184,7 +184,7 @@ def test_a_wall_between_stops_light():
     """A closed wall in the middle of the volume: nothing of the light beyond it, all of the light on this side."""
     blocked = np.zeros((N, N, N, 3))
     blocked[:, :, 8, 0] = 1.0
-    levels = geometry.plane_levels(geometry.Planes.sheets(blocked, np.full(blocked.shape, 0.3)))
+    levels = geometry.plane_levels(strips.Planes.sheets(blocked, np.full(blocked.shape, 0.3)))
     cells = np.array([[2, 8, 8], [4, 8, 8], [10, 8, 8], [11, 8, 8], [12, 8, 8], [15, 8, 8]])
     nodes = gathering.light_nodes(wall((1, 0, 0), slice(7, 10)))
     free, found = (gathering.gather(cells, nodes, H, g) for g in (None, levels))
@@ -198,7 +198,7 @@ def test_a_wall_beside_a_node_stops_its_light(beyond):
     in the next cells, though that is within two of its light."""
     blocked = np.zeros((32, 32, 32, 3))
     blocked[..., 8 if beyond else 7, 0] = 1.0
-    levels = geometry.plane_levels(geometry.Planes.sheets(blocked, np.full(blocked.shape, 0.5)))
+    levels = geometry.plane_levels(strips.Planes.sheets(blocked, np.full(blocked.shape, 0.5)))
     light = np.zeros((32, 32, 32, 3, 4))
     light[18, 18, 7] = sh.cosine_lobe([1.0, 0.0, 0.0])
     placed = gathering.first_moments(light, placed=np.array([-0.5, 0.0, 0.0]) * light[..., :1].sum(axis=-2))

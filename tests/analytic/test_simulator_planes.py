@@ -7,7 +7,8 @@ import pytest
 from test_simulator_geometry import GRID, ROUNDING, H, N, plane
 
 from octolux.simulator.lpv import geometry
-from octolux.simulator.lpv.geometry import BEHIND, Planes
+from octolux.simulator.lpv.geometry import BEHIND
+from octolux.simulator.lpv.strips import Planes
 
 PLACE = 1.0 / 64  # of a cell: what packing moves a plane by, at most
 
@@ -158,61 +159,3 @@ def test_middles_lie_where_surfels_do():
     coarser = geometry.plane_levels(planes)[1]
     np.testing.assert_allclose(coarser.nexts[2, 2, 1, 1], 0.5 + 0.2, **ROUNDING)
     np.testing.assert_allclose(coarser.lasts[2, 2, 1, 1], 0.5 + 0.125, **ROUNDING)
-
-
-def of_one(share: float, middle_next: float, middle_last: float) -> tuple[float, float, float, bool]:
-    """Density and ends of the strip across x of one cell, and whether they are along z."""
-    one = np.ones((1, 1, 1, 3))
-    found = Planes.sheets(share * one, 0.5 * one, middle_next * one, middle_last * one).strips
-    density, low, high, last = (float(each[0, 0, 0, 0]) for each in (found.density, *found[2:]))
-    return density, low, high, bool(last)
-
-
-def test_strips():
-    """Half a wall in its half; sheets all through a cell in all of it; a whole wall in all of it, wherever its surfels'
-    mean may lie; and of what does not fit around its middle, as much as its share, to the cell's side."""
-    assert of_one(0.5, 0.25, 0.5) == (1.0, 0.0, 0.5, False)
-    assert of_one(0.5, 0.5, 0.75) == (1.0, 0.5, 1.0, True)
-    assert of_one(0.3, 0.5, 0.5)[:3] == (0.3, 0.0, 1.0)
-    assert of_one(1.0, 0.4, 0.6)[:3] == (1.0, 0.0, 1.0)
-    np.testing.assert_allclose(of_one(0.25, 0.9, 0.5), (1.0, 0.75, 1.0, False), atol=1e-12)
-
-
-def test_strips_block_what_surfaces_do():
-    """Their shares are the surfaces', and their middles too, where they need not be wider than they would be. Soft
-    ends, of strips as they are kept, cover as much as hard ones: by 1024 places, whose mean errs where a slope begins
-    or ends, at four places, by less than half of one place's, which changes by 31 / 1024 at most."""
-    rng = np.random.default_rng(4)
-    planes = Planes.sheets(*rng.random((4, 6, 6, 6, 3)))
-    found = planes.strips
-    np.testing.assert_allclose(found.shares, planes.shares, rtol=1e-12)
-    middle = np.where(found.last, planes.lasts, planes.nexts)
-    roomy = 2.0 * np.minimum(middle, 1.0 - middle) > np.maximum(planes.shares, 1 / 31)
-    np.testing.assert_allclose((0.5 * (found.low + found.high))[roomy], middle[roomy], atol=1e-12)
-    assert 0.1 < roomy.mean() < 0.9
-    assert np.all(np.abs(middle - 0.5) >= np.abs(np.where(found.last, planes.nexts, planes.lasts) - 0.5))
-    found = geometry.unpack_planes(geometry.pack_planes(planes))
-    covered = np.mean([found.cover(np.full(planes.shares.shape, (k + 0.5) / 1024)) for k in range(1024)], axis=0)
-    np.testing.assert_allclose(covered, found.high - found.low, atol=4 * 0.5 * 31 / 1024**2)
-
-
-def test_packing():
-    """Five bits each from the lowest on: the density and the ends rounded, the place to its middle; and whether the
-    ends are along the last axis. What rounding takes from a strip that is as wide as its share it cannot bring back:
-    a step at most."""
-    rng = np.random.default_rng(0)
-    planes = Planes.sheets(*rng.random((4, 8, 8, 8, 3)))
-    planes.fronts[0, 0, 0], planes.fronts[0, 0, 1], planes.offsets[0, 0, 1] = 1.0, 0.0, 1.0
-    words, exact, filled = geometry.pack_planes(planes), planes.strips, planes.shares > 0.0
-    found = geometry.unpack_planes(words)
-    for kept, end in ((found.low, exact.low), (found.high, exact.high)):
-        assert np.abs(kept - end)[filled].max() <= 1 / 62 + 1e-12
-    assert (planes.shares - found.shares).max() <= 1 / 62 + 1 / 31 and (found.shares - planes.shares).max() <= 1 / 62
-    assert np.abs(found.offsets - planes.offsets)[filled].max() <= PLACE
-    assert np.array_equal(found.last[filled], exact.last[filled])
-    assert (found.shares[0, 0, 0] == 1.0).all() and not words[0, 0, 1].any()
-    assert words.dtype == np.uint32 and words.max() < 1 << 21 and not words[..., 3].any()
-    one = Planes.sheets(np.array([[[[1.0, 0.0, 0.5]]]]), np.array([[[[0.5, 0.0, 1.0]]]]), nexts=0.4, lasts=0.25)
-    assert geometry.pack_planes(one)[0, 0, 0].tolist() == [
-        31 | 16 << 5 | 31 << 15 | 1 << 20, 0 << 5 | 16 << 15 | 1 << 20, 30 | 31 << 5 | 16 << 15 | 1 << 20, 0
-    ]  # fmt: skip

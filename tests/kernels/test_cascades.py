@@ -15,7 +15,7 @@ from octolux.frame.structs import VPL
 from octolux.gpu.records import record_texture
 from octolux.simulator.camera import pack_normals, unpack_normals
 from octolux.simulator.grid import Grid
-from octolux.simulator.lpv import cascades, gathering, geometry
+from octolux.simulator.lpv import cascades, gathering, geometry, strips
 from octolux.simulator.lpv import injection as injection_reference
 from octolux.simulator.lpv.octree import level_sizes
 from octolux.techniques.lpv.constants import pack_grids, storage_scale
@@ -93,7 +93,7 @@ def test_surfels_are_in_every_window_that_holds_them(device):
     )  # fmt: skip
     with one_stage(device) as stage:
         made.run(stage, frame, uniforms(device)[0])
-    buffers = (read_buffer(device, made.volume[name]) for name in geometry.Planes._fields)
+    buffers = (read_buffer(device, made.volume[name]) for name in strips.Planes._fields)
     made_levels = zip(*(LEVELS.split(b.reshape(-1, 4)[:, :3]) for b in buffers), strict=True)
     normals, positions = unpack_normals(vpls["normal"]), vpls["position"].astype(np.float64)
     own = [geometry.inject_planes(positions, normals, vpls["area"].astype(np.float64), grid) for grid in GRIDS]
@@ -132,8 +132,8 @@ def gathered(device, own: list[np.ndarray], windows, words=None) -> np.ndarray:
     with one_stage(device) as stage:
         made.forget(stage)
         made.update(stage, device.buffer("injected", injected), buffer)
-        packed_shares = device.buffer("shares", words) if words is not None else None
-        made.gather(stage, device.buffer("peak", np.array([peak], np.float32)), packed_shares, buffer)
+        packed_strips = device.buffer("shares", words) if words is not None else None
+        made.gather(stage, device.buffer("peak", np.array([peak], np.float32)), packed_strips, buffer)
     layout = {"bytes_per_row": N * 8, "rows_per_image": N * count}
     data = device.queue.read_texture({"texture": made.cube}, layout, (N, count * N, 6 * N))
     cube = np.frombuffer(data, np.float16).reshape(6, N, count, N, N, 4).astype(np.float64)[..., :3]

@@ -13,7 +13,7 @@ from test_cascades import COUNT, LEVELS, VOLUME, N
 from test_lookup import gbuffer
 
 from octolux.simulator.blending import moved_share
-from octolux.simulator.lpv import cascades, corners, gathering, geometry
+from octolux.simulator.lpv import cascades, corners, gathering, strips
 from octolux.techniques.lpv.constants import pack_grids
 from octolux.techniques.lpv.gathering.gathering import Gathering
 from octolux.techniques.lpv.windows import pack_windows
@@ -48,13 +48,13 @@ def walled() -> SimpleNamespace:
     """Planes of all windows, of which a third are closed and a third are not there; and the words that say so."""
     rng = np.random.default_rng(1)
     shares = np.clip(rng.uniform(-1.0, 2.0, (COUNT, N, N, N, 3)), 0.0, 1.0)
-    words = [geometry.pack_planes(geometry.Planes.sheets(s, *rng.random((3, N, N, N, 3)))) for s in shares]
+    words = [strips.pack_planes(strips.Planes.sheets(s, *rng.random((3, N, N, N, 3)))) for s in shares]
     packed = np.zeros((LEVELS.cells, 4), np.uint32)
     packed[: COUNT * N**3] = np.concatenate([w.reshape(-1, 4) for w in words])
-    return SimpleNamespace(planes=[geometry.unpack_planes(w) for w in words], packed=packed)
+    return SimpleNamespace(planes=[strips.unpack_planes(w) for w in words], packed=packed)
 
 
-def sure(place: np.ndarray, planes: geometry.Blockers | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def sure(place: np.ndarray, planes: strips.Blockers | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Of places (M, 3): where rounding them decides nothing (M,), neither which cells are around nor whether any corner
     is left; what the weights' sum is (M,), before it is made 1; and how far each of them may be off (M,)."""
     first, weights = corners.corner_weights(place)
@@ -118,7 +118,7 @@ def test_lookup(device, occlusion):
     irradiance = device.texture("irradiance", s.g.frame.pixels, "rgba32float", usage=here.cube.usage)
     one, packed = device.buffer("peak", np.array([8.0], np.float32)), device.buffer("packed", w.packed)
     with one_stage(device) as stage:
-        here.read(stage, s.g.frame, s.grids, one, irradiance, s.windows, packed_shares=packed if occlusion else None)
+        here.read(stage, s.g.frame, s.grids, one, irradiance, s.windows, packed_strips=packed if occlusion else None)
     picture = device.read_texture(irradiance, np.float32, 4)[..., :3].astype(np.float64)
     cells = cube[..., :3].astype(np.float64)
     found = [read_in(s, i, cells[i], w.planes[i] if occlusion else None) for i in range(COUNT)]

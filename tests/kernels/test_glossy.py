@@ -17,9 +17,9 @@ from octolux.simulator import brdf, sh
 from octolux.simulator.camera import octahedral_decode, octahedral_encode, pack_normals, unpack_normals
 from octolux.simulator.environment import brdf_table
 from octolux.simulator.lpv import cascades, glossy
-from octolux.simulator.lpv.geometry import Planes, pack_planes
 from octolux.simulator.lpv.glossy import Surfaces
 from octolux.simulator.lpv.octree import level_sizes
+from octolux.simulator.lpv.strips import Planes, pack_planes
 from octolux.simulator.reflection import reflected_direction
 from octolux.techniques.lpv.constants import pack_grids, storage_scale
 from octolux.techniques.lpv.glossy.glossy import Glossy, PaperGlossy
@@ -106,9 +106,9 @@ def scene() -> SimpleNamespace:
         flux = (1.0 + smooth(rng, n, 3, size)) * squares[-1].sum(axis=-1, keepdims=True) * pi * (CELL * size) ** 2
         light.append(np.zeros((n, n, n, 3, 4), np.float32))
         light[-1][..., 0] = flux * sh.Y0
-        share, plane = rng.integers(0, 32, (2, n, n, n, 3))
+        share, plane = rng.integers(0, 33, (n, n, n, 3)), rng.integers(0, 32, (n, n, n, 3))
         share *= rng.random((n, n, n, 1)) < 0.05
-        planes = Planes.sheets(share / 31.0, (plane + 0.5) / 32.0)
+        planes = Planes.sheets(share / 32.0, (plane + 0.5) / 32.0)
         words.append(pack_planes(planes).reshape(-1, 4))
         window = WINDOWS[min(i, COUNT - 1)]
         if n in SIZES:

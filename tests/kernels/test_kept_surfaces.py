@@ -14,7 +14,7 @@ from octolux.scene.lights import PointLight
 from octolux.scene.materials import Material
 from octolux.scene.meshes import Instance
 from octolux.scene.scene import Scene
-from octolux.simulator.lpv.geometry import unpack_planes
+from octolux.simulator.lpv.strips import unpack_planes
 
 LAMP = PointLight(position=(0.2, 1.2, 0.9), intensity=(5.0, 6.0, 7.0))
 FLOOR = quad([(-2, 0, 2), (2, 0, 2), (2, 0, -2), (-2, 0, -2)])

@@ -14,7 +14,7 @@ from octolux.gpu.records import read_records
 from octolux.simulator import sh
 from octolux.simulator.grid import Grid
 from octolux.simulator.lpv import gathering as reference
-from octolux.simulator.lpv import geometry
+from octolux.simulator.lpv import geometry, strips
 from octolux.simulator.lpv.octree import build_levels, level_sizes
 from octolux.techniques.lpv.constants import pack_grid, storage_scale
 from octolux.techniques.lpv.gathering.gathering import NODE, Gathering
@@ -46,16 +46,16 @@ def scattered_light(seed: int, lit: float = 0.1) -> np.ndarray:
     return (light * (rng.random((N, N, N, 1, 1)) < lit)).astype(np.float32)
 
 
-def packed(levels: list[geometry.Planes]) -> tuple[np.ndarray, list[geometry.Strips]]:
+def packed(levels: list[strips.Planes]) -> tuple[np.ndarray, list[strips.Strips]]:
     """The words that the device holds, and what these say."""
-    words = [geometry.pack_planes(level) for level in levels]
-    return np.concatenate([w.reshape(-1, 4) for w in words]), [geometry.unpack_planes(w) for w in words]
+    words = [strips.pack_planes(level) for level in levels]
+    return np.concatenate([w.reshape(-1, 4) for w in words]), [strips.unpack_planes(w) for w in words]
 
 
-def random_planes(rng: np.random.Generator, density: float, most: float = 1.0) -> geometry.Planes:
+def random_planes(rng: np.random.Generator, density: float, most: float = 1.0) -> strips.Planes:
     """Shares up to `most`, in a share `density` of the cells, anywhere in them."""
     shares = rng.uniform(0.0, most, (N, N, N, 3)) * (rng.random((N, N, N, 1)) < density)
-    return geometry.Planes.sheets(shares, *rng.random((3, N, N, N, 3)))
+    return strips.Planes.sheets(shares, *rng.random((3, N, N, N, 3)))
 
 
 def run(device, made: Gathering, light: np.ndarray, words=None) -> tuple[np.ndarray, np.ndarray]:

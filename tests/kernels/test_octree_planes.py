@@ -10,16 +10,19 @@ from test_octree_geometry import GRID, LEVELS, N, cell_numbers, inject, random_s
 from octolux.frame.structs import VPL
 from octolux.simulator.camera import pack_normals, unpack_normals
 from octolux.simulator.lpv import geometry as reference
+from octolux.simulator.lpv import strips
+from octolux.simulator.lpv.octree import level_sizes
 from octolux.techniques.lpv.geometry import GeometryVolume, fixed_point_wall
+from octolux.techniques.lpv.levels import Levels
 
 
-def planes_of(device, made: GeometryVolume) -> list[reference.Planes]:
+def planes_of(device, made: GeometryVolume) -> list[strips.Planes]:
     """What the last run has left, where it lies too."""
     volumes = (
         LEVELS.split(read_buffer(device, made.volume[name]).reshape(-1, 4)[:, :3].astype(np.float64))
-        for name in reference.Planes._fields
+        for name in strips.Planes._fields
     )  # fmt: skip
-    return [reference.Planes(*level) for level in zip(*volumes, strict=True)]
+    return [strips.Planes(*level) for level in zip(*volumes, strict=True)]
 
 
 @pytest.fixture(scope="module")
@@ -125,16 +128,24 @@ def test_the_plane_of_very_many(device, with_planes, area, facing):
 
 
 def test_packed_planes(device, with_planes):
-    """Shares and ends to the nearest of 31 steps, planes in the one of 32 that they lie in; float32 may choose the
-    next: of sums and quotients right to 1e-6 one in ten thousand lies so near to half a step."""
+    """Densities and ends to the nearest of 32 steps, planes in the one that they lie in; float32 may choose the next:
+    of sums and quotients right to 1e-6 one in ten thousand lies so near to half a step."""
     run(device, with_planes, [random_surfels(np.random.default_rng(5), 5000, 0.1)])
     with one_stage(device) as stage:
         with_planes.pack(stage)
     words = read_buffer(device, with_planes.packed, np.uint32).reshape(-1, 4)[: LEVELS.cells]
     for found, planes in zip(LEVELS.split(words), planes_of(device, with_planes), strict=True):
-        unpacked, expected = reference.unpack_planes(found), reference.unpack_planes(reference.pack_planes(planes))
-        assert np.mean(found == reference.pack_planes(planes)) > 0.999
-        for ends in ("low", "high"):
-            assert np.abs(getattr(unpacked, ends) - getattr(expected, ends)).max() <= 1 / 31 + 1e-6
-        assert np.abs(unpacked.offsets - planes.offsets)[planes.shares > 0.0].max() <= 1 / 64 + 1e-6
-        assert np.abs(unpacked.shares - expected.shares).max() <= 2 / 31
+        filled, packed = planes.shares > 0.0, strips.pack_planes(planes)
+        assert np.mean((found == packed)[..., :3][filled]) > 0.999 and not found[..., :3][~filled].any()
+        step = 1.0 / strips.STEPS + 1e-6
+        for each, expected in zip(strips.unpack_planes(found)[:4], strips.unpack_planes(packed), strict=False):
+            assert np.abs(each - expected).max() <= step
+
+
+def test_as_many_cells_as_settings_allow(device):
+    """Five cascades of 64^3, and an octree of 128^3: buffers and their bindings fit."""
+    for levels in (Levels([64] * 4 + level_sizes(64), 5), Levels(level_sizes(128))):
+        made = GeometryVolume(device, levels)
+        with one_stage(device) as stage:
+            made.pack(stage)
+        assert not read_buffer(device, made.packed, np.uint32).any()

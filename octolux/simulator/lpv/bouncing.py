@@ -23,7 +23,7 @@ import numpy as np
 from octolux.simulator import sh
 from octolux.simulator.lpv.cascades import Window
 from octolux.simulator.lpv.gathering import first_moments, gather, light_nodes
-from octolux.simulator.lpv.geometry import Blockers
+from octolux.simulator.lpv.strips import Blockers
 from octolux.simulator.lpv.transfer import DIRECTIONS
 
 

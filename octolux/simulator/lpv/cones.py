@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from octolux.simulator.lpv.geometry import Blockers, Strips
+from octolux.simulator.lpv.strips import Blockers, Strips
 
 CONE_LENGTH = 5.0
 """Length over cell size at which the march along a cone goes on to the next level. A node is read from 1.5 to 3.5 of

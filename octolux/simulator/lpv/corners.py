@@ -18,12 +18,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from octolux.simulator.lpv.geometry import STEPS, Blockers
+from octolux.simulator.lpv.strips import STEPS, Blockers
 
 LEAST = 2.0**-10
 """Sum of weights below which all corners are as good as blocked: what little passes would be rounding's choice."""
 
-UNSURE = 1.0 / STEPS[1]
+UNSURE = 1.0 / STEPS
 """Cells on either side of a plane from which on it is known where a place is: the step in which planes are kept."""
 
 CORNERS = np.array(list(np.ndindex(2, 2, 2)))[:, ::-1]

@@ -23,8 +23,8 @@ import numpy as np
 from octolux.simulator import sh as harmonics
 from octolux.simulator.form_factors import squares_with_a_common_edge
 from octolux.simulator.lpv.cones import CONE_LENGTH, TOUCHES, WHOLE, cone_transmittance
-from octolux.simulator.lpv.geometry import Blockers
 from octolux.simulator.lpv.octree import build_levels
+from octolux.simulator.lpv.strips import Blockers
 from octolux.simulator.lpv.transfer import DIRECTIONS
 
 SPREAD = 1.0 / 3.0

@@ -31,6 +31,8 @@ Where this is not exact:
 - Of a surface that is no strip, or of several, what is known is where its middle lies and how much it blocks.
 - Planes of a coarser cell lie at the mean of its children's (`coarser_planes`): a wall along the axes where it was, two
   walls that it holds in their middle. The coarser the cells, the farther away is what they block (cones.py).
+- Strips are what gathering marches through. Lookups (corners.py) and reflected rays (glossy.py) take a share all over
+  its plane: the ones go through half a cell, of the others the edges of strips would show.
 
 Nested windows (cascades.py) have no coarser levels but those above the last: each surfel is in every window that holds
 it, so that what a window's cells block does not depend on where the others lie.
@@ -39,94 +41,16 @@ it, so that what a window's cells block does not depend on where the others lie.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
 
 import numpy as np
 
 from octolux.simulator.grid import Grid
 from octolux.simulator.lpv.octree import downsample, level_sizes
+from octolux.simulator.lpv.strips import Planes
 
 BEHIND = 2.0**-8
 """Cells by which a surfel counts behind its surface, against the normal: a wall that lies on a face between cells is
 then in one of them whole, and rounding of its place (some 1e-5 of a cell) does not share it out among both."""
-
-STEPS = 31, 32
-"""Of a packed share, which is rounded, as are a strip's ends; and of a plane's place, which lies in the middle of
-its step: 5 bits each."""
-
-
-class Strips(NamedTuple):
-    """What of a cell's three planes blocks, float64 [z][y][x][3] for those across x, y and z. density: share of light
-    that the strip blocks.  offsets: where along its axis the plane lies, from 0 to 1 in the cell.  low, high: between
-    these the strip lies, in the cell; along the axis after its own (y for x, z for y, x for z), or where `last` along
-    the one after that, and all through the cell along the other."""
-
-    density: np.ndarray
-    offsets: np.ndarray
-    low: np.ndarray
-    high: np.ndarray
-    last: np.ndarray
-
-    @property
-    def shares(self) -> np.ndarray:
-        """Of the cell's cross section, what is blocked along x, y and z."""
-        return self.density * (self.high - self.low)
-
-    @property
-    def strips(self) -> Strips:
-        return self
-
-    def cover(self, places: np.ndarray, which: Any = ...) -> np.ndarray:
-        """How much of the strips `which` is at `places` (..., 3), in the cell, along their axes: (..., 3).
-
-        Ends within the cell are soft, as nothing says that what is there is a strip, and as light would jump where ways
-        pass them: over as much on either side as there is room, to the strip's middle and to the cell's side, at least
-        half a step of what is kept. All of it together is as large as with hard ends."""
-        low, high = self.low[which], self.high[which]
-        half, least = 0.5 * (high - low), 0.5 / STEPS[0]
-        from_low = np.clip(0.5 + 0.5 * (places - low) / np.maximum(np.minimum(low, half), least), 0.0, 1.0)
-        to_high = np.clip(0.5 + 0.5 * (high - places) / np.maximum(np.minimum(1.0 - high, half), least), 0.0, 1.0)
-        return np.where(low == 0.0, 1.0, from_low) * np.where(high == 1.0, 1.0, to_high)
-
-
-class Planes(NamedTuple):
-    """Float64 [z][y][x][3] each. fronts, backs: of the cell's cross section along x, y and z, what surfaces fill whose
-    normals point along the axis, and against it, at most 1 each. offsets: where along the axis its plane lies, from 0
-    to 1 in the cell; nexts, lasts: where in it their middle does, along the axis after that (y for x, z for y, x for z)
-    and the one after both. Of no meaning without a share."""
-
-    fronts: np.ndarray
-    backs: np.ndarray
-    offsets: np.ndarray
-    nexts: np.ndarray
-    lasts: np.ndarray
-
-    @classmethod
-    def sheets(cls, shares: np.ndarray, offsets: np.ndarray, nexts=0.5, lasts=0.5) -> Planes:
-        """Of surfaces that all face along the axes; in the middle of their planes, if nothing else is said."""
-        aside = (np.broadcast_to(np.asarray(v, dtype=np.float64), shares.shape) for v in (nexts, lasts))
-        return cls(shares, np.zeros_like(shares), offsets, *aside)
-
-    @property
-    def shares(self) -> np.ndarray:
-        """Of the cell's cross section, what is blocked along x, y and z."""
-        return np.maximum(self.fronts, self.backs)
-
-    @property
-    def strips(self) -> Strips:
-        """The widest ones with the surfaces' middles, along the axis on which they are narrower; the surfaces' share of
-        the cross section is spread over them evenly. If that is more than they are, as where surfels are few and their
-        mean is not well known, strips as wide as the share, the nearest to it in the cell: a whole wall always fills
-        its plane."""
-        aside = np.abs(np.stack([self.nexts, self.lasts]) - 0.5)
-        last = aside[1] >= aside[0]
-        middle, share = np.where(last, self.lasts, self.nexts), self.shares
-        width = np.maximum(1.0 - 2.0 * aside.max(axis=0), np.maximum(share, 1.0 / STEPS[0]))
-        low = np.clip(middle - 0.5 * width, 0.0, 1.0 - width)
-        return Strips(np.minimum(1.0, share / width), self.offsets, low, low + width, last)
-
-
-Blockers = Planes | Strips
 
 
 def inject_surfels(position, normal, area, grid: Grid) -> np.ndarray:
@@ -210,29 +134,6 @@ def plane_levels(finest: Planes) -> list[Planes]:
     while levels[-1].fronts.shape[0] > 1:
         levels.append(planes_of(*coarser_planes(levels[-1])))
     return levels
-
-
-def pack_planes(planes: Planes) -> np.ndarray:
-    """Four words for each cell, uint32 [z][y][x][4]: of x, y and z the strip's density, its plane's place, and its low
-    and its high end, 5 bits each from the lowest on, and one for which axis that is along; and nothing, as in cells
-    without surfaces. The density is that of strips with the ends that are kept."""
-    of = planes.strips
-    low, high = (np.floor(STEPS[0] * end + 0.5).astype(np.uint32) for end in (of.low, of.high))
-    density = np.rint(STEPS[0] * np.minimum(1.0, STEPS[0] * planes.shares / (high - low))).astype(np.uint32)
-    place = np.minimum(STEPS[1] * of.offsets, STEPS[1] - 1).astype(np.uint32)
-    words = (density, place, low, high, of.last.astype(np.uint32))
-    packed = np.bitwise_or.reduce([word << np.uint32(5 * i) for i, word in enumerate(words)])
-    packed[~planes.shares.any(axis=-1)] = 0
-    return np.pad(packed, [(0, 0)] * 3 + [(0, 1)])
-
-
-def unpack_planes(words) -> Strips:
-    """What `pack_planes` has kept: shares and ends to 1/62, places to 1/64 of a cell."""
-    density, place, low, high, last = np.moveaxis(
-        np.asarray(words)[..., :3, None] >> np.arange(0, 25, 5, dtype=np.uint32) & 31, -1, 0
-    )
-    ends = low / STEPS[0], high / STEPS[0]
-    return Strips(density / STEPS[0], (place + 0.5) / STEPS[1], *ends, last.astype(bool))
 
 
 def face_transmittance(shares) -> np.ndarray:

@@ -128,7 +128,7 @@ class GeometryVolume:
             )  # fmt: skip
             self._coarser.append((n // 2, made))
         self._pack = ComputePass(
-            device, "pack shares", "techniques/lpv/pack_shares.wgsl",
+            device, "pack strips", "techniques/lpv/pack_strips.wgsl",
             [*(storage(name, "vec4f") for name in self.volume), storage_rw("packed", "vec4u", "write")],
             workgroup=(64, 1, 1), row=ROW, cells=levels.cells,
         )  # fmt: skip

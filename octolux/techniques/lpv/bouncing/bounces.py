@@ -31,9 +31,9 @@ class Bounces:
         self.device, self.n, self._count, self._windows = device, n, count, windows
         whole = Levels(level_sizes(n))
         self._gathering = Gathering(
-            device, whole, occlusion=occlusion, lookup_offset=0.0, shares_first=(windows - 1) * n**3,
+            device, whole, occlusion=occlusion, lookup_offset=0.0, strips_first=(windows - 1) * n**3,
             unit=2 ** (windows - 1),
-        )
+        )  # fmt: skip
         self._light = device.buffer("LPV bounced light", size=whole.cells * 48)
         self._received = device.buffer("LPV received light", size=16)
         usage = TEXTURE | STORAGE | COPY
@@ -78,11 +78,11 @@ class Bounces:
         )  # fmt: skip
 
     def run(
-        self, stage: Any, injected: Any, moments: Any, peak: Any, reflectors: Reflectors, packed_shares: Any,
+        self, stage: Any, injected: Any, moments: Any, peak: Any, reflectors: Reflectors, packed_strips: Any,
         windows: Any,
     ) -> None:  # fmt: skip
         """Add bounced light to the cells of all windows of `injected`, which are complete, and to their `moments`
-        (gathering.py). reflectors: with places; packed_shares: geometry.py's."""
+        (gathering.py). reflectors: with places; packed_strips: geometry.py's."""
         n, surfaces = self.n, {"reflectors": reflectors.reflectors, "places": reflectors.places}
         self._gathering.forget(stage)
         self._mark.run(stage, (n**3,), reflectors=reflectors.reflectors, marks=self._gathering.marks)
@@ -92,7 +92,7 @@ class Bounces:
         so_far, target = self._sums
         for bounce in range(self._count):
             self._gathering.finish(stage, self._light)
-            self._gathering.gather(stage, peak, packed_shares)
+            self._gathering.gather(stage, peak, packed_strips)
             stage.encoder.clear_buffer(self._received)
             given = {"cube": self._gathering.cube, "peak": peak, "light": self._light, "received": self._received}
             self._measure.run(stage, (n, n, n), reflectors=reflectors.reflectors, **given)

@@ -26,21 +26,21 @@ class AirLight:
         self._whole = Levels(level_sizes(cascades.n // 2))
         self._light = device.buffer("LPV light in the air", size=self._whole.cells * 48)
         self._gathering = Gathering(
-            device, self._whole, occlusion=occlusion, lookup_offset=0.0, everywhere=True, shares_first=self._first,
+            device, self._whole, occlusion=occlusion, lookup_offset=0.0, everywhere=True, strips_first=self._first,
             unit=2**self._level,
-        )
+        )  # fmt: skip
         self.light: VolumeLight | None = None
         clamp = {f"address_mode_{axis}": "clamp-to-edge" for axis in "uvw"}
         self._sampler = device.wgpu.create_sampler(mag_filter="linear", min_filter="linear", **clamp)
 
-    def run(self, stage: Any, frame: Frame, injected: Any, moments: Any, peak: Any, packed_shares: Any) -> None:
+    def run(self, stage: Any, frame: Frame, injected: Any, moments: Any, peak: Any, packed_strips: Any) -> None:
         """Gather from `injected` and its `moments`, all levels of which are made, and let the frame's fog read it."""
         for source, target, size in ((injected, self._light, 48), (moments, self._gathering.moments, 16)):
             cells = (self._cascades.n // 2) ** 3
             stage.encoder.copy_buffer_to_buffer(source, self._first * size, target, 0, cells * size)
         self._gathering.forget(stage)
         self._gathering.finish(stage, self._light)
-        self._gathering.gather(stage, peak, packed_shares)
+        self._gathering.gather(stage, peak, packed_strips)
         count = self._cascades.count
         self.light = frame.volume_light = VolumeLight(
             "techniques/lpv/cascaded/air.wgsl",

@@ -10,7 +10,7 @@
 {% if occlusion %}{{ use("techniques/lpv/gathering/passing.wgsl") }}{% endif %}
 
 const COARSEST = {{ levels - 1 }}u; // level that is read
-const WHOLE = {{ candidates - coarsest**3 }}u; // first candidate of that level
+const FIRST_OF_COARSEST = {{ candidates - coarsest**3 }}u; // first candidate of that level
 const CANDIDATES = {{ candidates }}u;
 const SHARE = {{ (candidates + 63) // 64 }}u; // of each thread
 const SIDE = {{ n // 4 }}u;
@@ -31,8 +31,8 @@ fn candidate(number: u32, base: u32, block: vec3i) -> Candidate {
     if number < 512u {
         return Candidate(0u, 4 * block - 2 + vec3i(vec3u(number & 7u, (number >> 3u) & 7u, number >> 6u)));
     }
-    if number >= WHOLE {
-        let at = number - WHOLE;
+    if number >= FIRST_OF_COARSEST {
+        let at = number - FIRST_OF_COARSEST;
         return Candidate(COARSEST - base, vec3i(vec3u(at, at / {{ coarsest }}u, at / {{ coarsest**2 }}u) % {{ coarsest }}u));
     }
     let between = 1u + (number - 512u) / 216u;

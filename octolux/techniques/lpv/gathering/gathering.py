@@ -33,7 +33,7 @@ class Gathering:
 
     `marks` are 1 (u32, [window][z][y][x]) where a cell is asked for.
 
-    everywhere: all cells are filled, not only those that surfaces are looked up in. shares_first: number of the cell in
+    everywhere: all cells are filled, not only those that surfaces are looked up in. strips_first: number of the cell in
     the geometry volume's buffer that level 0 begins with. visibility: `read` is given a texture of ambient visibility.
     corners: surfaces are looked up in all eight cells around them, as far as planes let through, whoever asks for them;
     otherwise in those alone of them whose middles lie before surfaces that are seen, which takes half the time.
@@ -43,11 +43,11 @@ class Gathering:
 
     def __init__(
         self, device: Device, levels: Levels, *, occlusion: bool, lookup_offset: float, everywhere: bool = False,
-        shares_first: int = 0, visibility: bool = False, corners: bool = False, placed: bool = False,
+        strips_first: int = 0, visibility: bool = False, corners: bool = False, placed: bool = False,
         unit: int = 1,
     ):  # fmt: skip
         self.device, self.levels, self.n = device, levels, levels.sizes[0]
-        self._shares_first, self._visibility, self.corners = shares_first, visibility, corners
+        self._strips_first, self._visibility, self.corners = strips_first, visibility, corners
         self._placed, self._unit = placed, unit
         n, cells = self.n, levels.windows * self.n**3
         self._occlusion, self._everywhere = occlusion, everywhere
@@ -93,7 +93,7 @@ class Gathering:
             candidates=512 + 216 * (used - 2) + coarsest**3,
             occlusion=self._occlusion, everywhere=self._everywhere, spread=gathering.SPREAD, side=gathering.SIDE, pi=pi,
             cone_length=cones.CONE_LENGTH, fade=cones.FADE, left_out=cones.LEFT_OUT, short=cones.SHORT, opaque=_OPAQUE,
-            touches=cones.TOUCHES, bits=n.bit_length() - 1, unit=self._unit, shares_first=self._shares_first, **values,
+            touches=cones.TOUCHES, bits=n.bit_length() - 1, unit=self._unit, strips_first=self._strips_first, **values,
         )  # fmt: skip
 
     def _make_lookup_passes(self, lookup_offset: float) -> None:
@@ -152,14 +152,14 @@ class Gathering:
             downsampling.run(stage, cells)
         self._make_nodes.run(stage, self.levels.rows, injected=injected, moments=self.moments, nodes=self.nodes)
 
-    def mark(self, stage: Any, frame: Frame, grids: Any, windows: Any = None, packed_shares: Any = None) -> None:
+    def mark(self, stage: Any, frame: Frame, grids: Any, windows: Any = None, packed_strips: Any = None) -> None:
         """Ask for the cells that the frame's pixels look up."""
-        seen = self._seen(frame, grids, windows or self.whole, packed_shares)
+        seen = self._seen(frame, grids, windows or self.whole, packed_strips)
         self._mark.run(stage, frame.pixels, **seen, marks=self.marks)
 
-    def gather(self, stage: Any, peak: Any, packed_shares: Any, windows: Any = None) -> None:
+    def gather(self, stage: Any, peak: Any, packed_strips: Any, windows: Any = None) -> None:
         """Fill the cells that have been asked for, if they are not filled yet."""
-        blockers = {"geometry": packed_shares} if self._occlusion else {}
+        blockers = {"geometry": packed_strips} if self._occlusion else {}
         cells = Levels([self.n] * self.levels.windows)
         self._gather.run(
             stage, cells.rows, nodes=self.nodes, moments=self.moments, marks=self.marks, filled=self._filled,
@@ -168,18 +168,18 @@ class Gathering:
 
     def read(
         self, stage: Any, frame: Frame, grids: Any, peak: Any, irradiance: Any, windows: Any = None,
-        visibility: Any = None, packed_shares: Any = None,
+        visibility: Any = None, packed_strips: Any = None,
     ) -> None:  # fmt: skip
         """Write irradiance of every pixel, and ambient visibility in alpha: `visibility` (r32float), or 1."""
         visible = {"visibility_map": visibility} if self._visibility else {}
         self._lookup.run(
-            stage, frame.pixels, **self._seen(frame, grids, windows or self.whole, packed_shares), peak=peak,
+            stage, frame.pixels, **self._seen(frame, grids, windows or self.whole, packed_strips), peak=peak,
             cube=self.cube, **({} if self.corners else {"volume_sampler": self._sampler}), irradiance_out=irradiance,
             **visible,
         )  # fmt: skip
 
-    def _seen(self, frame: Frame, grids: Any, windows: Any, packed_shares: Any) -> dict[str, Any]:
+    def _seen(self, frame: Frame, grids: Any, windows: Any, packed_strips: Any) -> dict[str, Any]:
         surface, depth = frame.targets.surface, frame.targets.depth
-        planes = {"geometry": packed_shares} if self.corners and self._occlusion else {}
+        planes = {"geometry": packed_strips} if self.corners and self._occlusion else {}
         return {"views": frame.buffers["views"], "surface_map": surface, "depth_map": depth, "grids": grids,
                 "windows": windows, **planes}  # fmt: skip

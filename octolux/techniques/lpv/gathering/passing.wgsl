@@ -20,23 +20,23 @@ fn let_through(level: Level, way: Way, travelled: f32{% if windows > 1 %}, own: 
     return through.x * through.y * through.z;
 }
 
-// What a cell's strips let through of a step that ends `at` (are_crossed), each as far as it is there (simulator/lpv/geometry.py,
+// What a cell's strips let through of a step that ends `at` (are_crossed), each as far as it is there (simulator/lpv/strips.py,
 // `Strips.cover`). Where the way is beside the cell when it crosses a plane, the cell's side counts.
 fn through_strips(words: vec4u, at: vec3f, way: Way, back: vec3f, ahead: vec3f) -> vec3f {
     let part = fract(at);
     let plane = select(1.0 - planes_of(words), planes_of(words), way.upwards);
     let within = select(1.0 - part, part, way.upwards);
     let further = (plane - within) / max(way.size, vec3f(1e-6)); // steps from where this one ends to the plane
-    let along_last = words.xyz >= vec3u({{ 2**20 }}u);
+    let along_last = are_along_last(words);
     let start = select(part.yzx, part.zxy, along_last);
     let place = clamp(start + further * select(way.step.yzx, way.step.zxy, along_last), vec3f(0.0), vec3f(1.0));
-    let low = field(words, 10u);
-    let high = field(words, 15u);
+    let low = lows_of(words);
+    let high = highs_of(words);
     let half = 0.5 * (high - low);
-    let from_low = saturate(0.5 + 0.5 * (place - low) / max(min(low, half), vec3f({{ 0.5 / 31 }})));
-    let to_high = saturate(0.5 + 0.5 * (high - place) / max(min(1.0 - high, half), vec3f({{ 0.5 / 31 }})));
+    let from_low = saturate(0.5 + 0.5 * (place - low) / max(min(low, half), vec3f({{ 0.5 / 32 }})));
+    let to_high = saturate(0.5 + 0.5 * (high - place) / max(min(1.0 - high, half), vec3f({{ 0.5 / 32 }})));
     let cover = select(from_low, vec3f(1.0), low == vec3f(0.0)) * select(to_high, vec3f(1.0), high == vec3f(1.0));
-    return vec3f(1.0) - select(vec3f(0.0), field(words, 0u) * cover, are_crossed(plane, within, back, ahead));
+    return vec3f(1.0) - select(vec3f(0.0), densities_of(words) * cover, are_crossed(plane, within, back, ahead));
 }
 
 // How far in its layer of cells so wide a way is, from 0 to 1.
@@ -71,7 +71,7 @@ fn passing(point: vec3f, towards: vec3f, distance: f32, cone: Cone, base: u32) -
     let per_step = {{ 1 / short }} * longest / select(vec3f(1e-6), towards, sizes > vec3f(1e-6)); // cells travelled to go one along each axis
     {% else %}
     let last = layers;
-    var here = Level({{ shares_first }}u, {{ bits }}u, point, 1.0);
+    var here = Level({{ strips_first }}u, {{ bits }}u, point, 1.0);
     {% endif %}
     loop {
         // Steps count as long as their layers begin before the last.

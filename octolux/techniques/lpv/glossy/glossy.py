@@ -132,11 +132,11 @@ class Glossy(_Rays):
         )  # fmt: skip
 
     def run(
-        self, stage: Any, frame: Frame, grids: Any, peak: Any, packed_shares: Any = None, windows: Any = None
+        self, stage: Any, frame: Frame, grids: Any, peak: Any, packed_strips: Any = None, windows: Any = None
     ) -> None:
-        """Write `specular`. grids: uniform buffer of GRID, one for each window; packed_shares: the geometry volume's
+        """Write `specular`. grids: uniform buffer of GRID, one for each window; packed_strips: the geometry volume's
         `packed`, where it blocks."""
-        blockers = {"geometry": packed_shares} if self._occlusion else {}
+        blockers = {"geometry": packed_strips} if self._occlusion else {}
         volumes = {f"{name}_volume": volume for name, volume in self.volumes.items()}
         self._run(stage, frame, grids, peak, windows, {**blockers, **volumes})
 
