@@ -203,14 +203,16 @@ class Renderer:
                 with_surfaces = "surfaces" in technique.needs
                 self._rsm = RSMPass(self.device, self.gpu_scene, self.frame_settings, with_surfaces)
             self._rsm.run(frame, self._shadow_maps)
-            self._peel(frame, self._rsm)
+        self._peel(frame)
         technique.update(frame)
 
-    def _peel(self, frame: Frame, rsm: RSMPass) -> None:
+    def _peel(self, frame: Frame) -> None:
         layers = self.technique.lamp_layers, self.technique.camera_layers
-        if max(layers) > 1:
-            self._peeling = self._peeling or PeelingPass(self.device, self.gpu_scene, self._gbuffer.visibility)
-            self._peeling.run(frame, self._shadow_maps, rsm, *layers)
+        if self._rsm is None or max(layers) == 1:
+            self._peeling = None  # with its textures
+            return
+        self._peeling = self._peeling or PeelingPass(self.device, self.gpu_scene, self._gbuffer.visibility)
+        self._peeling.run(frame, self._shadow_maps, self._rsm, *layers)
 
     def _begin(
         self, wanted: str | int | Camera | None, samples: int, profiler: Profiler, metering: bool = False

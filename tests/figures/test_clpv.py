@@ -39,6 +39,9 @@ def test_a_turn_looks_all_around():
     np.testing.assert_allclose(np.abs((steps + np.pi) % (2 * np.pi) - np.pi), 2 * np.pi / len(cameras))
     np.testing.assert_allclose(cameras[-1].transform, eye.transform, atol=1e-12)
     assert all(camera.vertical_fov == eye.vertical_fov for camera in cameras)
+    end = list(turn_around(eye, 10, 6.0))[-1]
+    np.testing.assert_allclose(end.position - eye.position, 6.0 * eye.forward * (1.0, 0.0, 1.0), atol=1e-12)
+    np.testing.assert_allclose(end.forward, eye.forward, atol=1e-12)
 
 
 @pytest.mark.parametrize("text", ["uniform-lpv", "cascaded-lpv:default,bounces=1"])

@@ -3,6 +3,7 @@ looks around, and forgets what moved."""
 
 from __future__ import annotations
 
+import gc
 from dataclasses import replace
 
 import numpy as np
@@ -190,3 +191,21 @@ def test_a_still_frame_is_what_it_was(device, preset):
 def test_the_scenes_own_surfels_need_no_keeping():
     with pytest.raises(SettingsError, match=r"all there in each frame.*keep_surfels=false"):
         CascadedLpvSettings.make(keep_surfels=True)
+
+
+@pytest.mark.parametrize(("preset", "settings", "size"), [
+    ("default", {"bounces": 2}, 288), ("paper", {}, 32), ("paper", {"bounces": 2}, 128),
+])  # fmt: skip
+def test_what_keeping_takes_is_said(device, preset, settings, size):
+    """Bytes a cell, and a bit for those that are forgotten."""
+    said = CascadedLpvSettings.__dataclass_fields__["keep_surfels"].metadata["cost"]
+    before = kept_bytes(device)
+    made = renderer(device, scene(PLACE), preset, **settings)
+    cells = 2 * 16**3
+    assert made.technique.settings.n**3 * made.technique.settings.cascades == cells
+    assert kept_bytes(device) - before == size * cells and f" {size}" in said
+
+
+def kept_bytes(device) -> int:
+    gc.collect()
+    return device.memory.by_label().get("LPV kept surfels", 0)

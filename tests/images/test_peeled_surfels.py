@@ -103,11 +103,8 @@ def test_more_layers_are_those_of_the_scene(device):
         np.testing.assert_allclose(shares[:layers], 1.0, atol=4 / 128)
 
 
-@pytest.mark.parametrize("settings", [
-    {}, {"layers": 3, "occlusion": False},
-], ids=["one layer", "nothing blocks"])  # fmt: skip
-def test_nothing_is_peeled(device, settings):
-    made = rendered(device, scene("point"), "paper", **settings)
+def test_nothing_is_peeled_for_one_layer(device):
+    made = rendered(device, scene("point"), "paper")
     assert not [name for name in made.profiler.last_frame() if name.startswith("peeled")]
     assert made._peeling is None
 
@@ -124,8 +121,21 @@ def test_frames_of_layers_are_repeatable(device):
 
 @pytest.mark.parametrize(("changes", "says"), [
     ({"layers": 2}, "all layers already.*layers=1.*surfels=lamps"), ({"layers": 0, "surfels": "lamps"}, "1 to 4"),
-    ({"layers": 5, "surfels": "lamps"}, "1 to 4"),
+    ({"layers": 5, "surfels": "lamps"}, "1 to 4"), *(
+        ({**nothing, **asked, "surfels": "lamps"}, "nothing takes surfels.*occlusion=true, or layers=1 and keep")
+        for nothing in ({"occlusion": False, "bounces": 1, "glossy": False},
+                        {"occlusion": False, "bounces": 1, "propagation": "steps"})
+        for asked in ({"layers": 2}, {"keep_surfels": True})
+    ),
 ])  # fmt: skip
 def test_layers_that_are_refused(changes, says):
     with pytest.raises(SettingsError, match=says):
         CascadedLpvSettings.make(**changes)
+
+
+@pytest.mark.parametrize("changes", [
+    {"bounces": 1, "glossy": False, "occlusion": True}, {"bounces": 2, "glossy": False}, {"bounces": 1, "glossy": True},
+    {"propagation": "steps", "bounces": 1, "occlusion": True, "glossy": False},
+], ids=["what blocks", "what reflects", "what is reflected", "what blocks steps"])  # fmt: skip
+def test_layers_go_with(changes):
+    CascadedLpvSettings.make(**{"occlusion": False, "surfels": "lamps", "layers": 2, "keep_surfels": True, **changes})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from types import SimpleNamespace
 
 import numpy as np
@@ -209,3 +210,17 @@ def test_lamps_layers_are_kept_while_nothing_moves(device):
     assert peels() == {"peeled G-buffer", "peeled RSMs"}
     place = lamps_vpls(device, renderer.technique.frame)[2, EDGE * (EDGE + 1) // 2]
     np.testing.assert_allclose(place["position"][2], -1.5, rtol=1e-6)
+
+
+@pytest.mark.parametrize("other", ["one layer", "no RSMs"])
+def test_layers_go_with_who_asked_for_them(device, other):
+    """And are there again for who asks next."""
+    renderer = peeled(device, sheets(SOLID, SOLID, SOLID), CAMERAS["perspective"])
+    depths = seen_depths(device, renderer.technique.frame)
+    asking, pass_of = renderer.technique, weakref.ref(renderer._peeling)
+    renderer.technique = Peeling(device, 1, 1) if other == "one layer" else NoTechnique(device, Settings())
+    renderer.render(CAMERAS["perspective"])
+    assert pass_of() is None
+    renderer.technique = asking
+    renderer.render(CAMERAS["perspective"])
+    assert np.array_equal(seen_depths(device, asking.frame), depths) and depths[2].any()

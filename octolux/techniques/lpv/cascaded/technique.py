@@ -28,9 +28,8 @@ class CascadedLpv(Technique):
         self.cascades = Cascades(device, settings.n, settings.cascades, settings.spacing)
         way = CascadedGathering if settings.propagation == "gather" else CascadedStepping
         self.way: CascadedGathering | CascadedStepping = way(device, self.cascades, settings)
-        if self.way.surfaces:
-            self.lamp_layers = settings.layers
-            self.camera_layers = settings.layers if settings.surfels == "lamps and camera" else 1
+        self.lamp_layers = settings.layers
+        self.camera_layers = settings.layers if settings.surfels == "lamps and camera" else 1
 
     def prepare(self, frame: Frame) -> None:
         self.cascades.place(frame)
