@@ -8,6 +8,13 @@ fn sum_of(low: vec3u, carries: u32) -> vec3f {
     let beyond = (vec3u(carries) >> vec3u(0u, 10u, 20u)) & vec3u(1023u);
     return vec3f(low) + 4294967296.0 * vec3f(beyond);
 }
+
+{# The sums of some names, three of each and then what has gone beyond of each, from a place in a buffer on. #}
+{% macro sums_of(words, at, names) %}
+{% for name in names %}
+        let {{ name }}_sum = sum_of(vec3u({% for k in range(3) %}{{ words }}[{{ at }} + {{ 3 * names.index(name) + k }}u]{{ "" if loop.last else ", " }}{% endfor %}), {{ words }}[{{ at }} + {{ 3 * names|length + loop.index0 }}u]);
+{% endfor %}
+{% endmacro %}
 {% endif %}
 
 @compute @workgroup_size({{ workgroup }})
@@ -20,10 +27,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     {
         let at = {{ numbers }}u * (id.x + {{ buffer * cells }}u);
         {% if planes %}
-        {% for name in ("fronts", "backs", "moments") %}
-        {% set i = 3 * loop.index0 %}
-        let {{ name }}_sum = sum_of(vec3u(sums[at + {{ i }}u], sums[at + {{ i + 1 }}u], sums[at + {{ i + 2 }}u]), sums[at + {{ 9 + loop.index0 }}u]);
-        {% endfor %}
+        {{ sums_of("sums", "at", ("fronts", "backs", "moments")) }}
         let sum = fronts_sum + backs_sum;
         {% else %}
         let sum = vec3f(vec3u(sums[at], sums[at + 1u], sums[at + 2u]));
@@ -35,10 +39,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
             let more = max(fronts_found, backs_found) > max(front, back);
             // Places are the means of the buffer with the most.
             let beside = 8u * (id.x + {{ buffer * cells }}u);
-            {% for name in ("nexts", "lasts") %}
-            {% set i = 3 * loop.index0 %}
-            let {{ name }}_sum = sum_of(vec3u(sums_beside[beside + {{ i }}u], sums_beside[beside + {{ i + 1 }}u], sums_beside[beside + {{ i + 2 }}u]), sums_beside[beside + {{ 6 + loop.index0 }}u]);
-            {% endfor %}
+            {{ sums_of("sums_beside", "beside", ("nexts", "lasts")) }}
             {% for k in range(8) %}
             sums_beside[beside + {{ k }}u] = 0u;
             {% endfor %}
