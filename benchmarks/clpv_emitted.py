@@ -79,24 +79,33 @@ def sky() -> Environment:
     return Environment(image=image)
 
 
-def _flux(lights: list[Light], environment: Environment | None, expected: np.ndarray) -> float:
-    """Injected over expected, the channel that is off most."""
-    found = sum(total_flux(cells) for cells in Volume(NESTED, lights, environment).cells())
-    ratios = found / expected
-    return float(ratios[np.argmax(np.abs(ratios - 1.0))])
+def _flux(lights: list[Light], environment: Environment | None, expected: list[np.ndarray]) -> float:
+    """Injected over expected, the volume and channel that is off most; infinite where light is that should not be.
+    expected: of each volume, which has all light that lies in it."""
+    found = [total_flux(cells) for cells in Volume(NESTED, lights, environment).cells()]
+    pairs = zip(found, expected, strict=True)
+    ratios = [np.divide(f, e, out=np.where(f > 0.0, np.inf, 1.0), where=e > 0.0) for f, e in pairs]
+    return float(max(np.ravel(ratios), key=lambda ratio: abs(ratio - 1.0)))
+
+
+def _of_particles(group: ParticleLights) -> list[np.ndarray]:
+    """4 pi I of those in each volume."""
+    held = (np.abs(group.positions).max(axis=-1) < 0.5 * N * grid.cell_size for grid in NESTED)
+    return [4.0 * pi * group.intensities[each].sum(axis=0) for each in held]
 
 
 @figure("emitted_flux", group="clpv_emitted", unit="x", bound=dict.fromkeys(
     ("particles", "square", "even_sky", "sky_above_horizon"), within(1.0, 0.01)))  # fmt: skip
 def emitted_flux() -> dict[str, float]:
-    """Flux in three nested volumes over the closed form: 4 pi I; pi L A; pi L for each m^2 of the box's faces, of whose
-    sides a sky that ends at the horizon lights half, and of whose bottom none."""
-    group, face = swarm(), (4 * CELL * N) ** 2
+    """Flux in each of three nested volumes over the closed form: 4 pi I of what lies in it; pi L A; and in the last,
+    which alone has a sky, pi L for each m^2 of its faces, of whose sides a sky that ends at the horizon lights half,
+    and of whose bottom none."""
+    group, face, none = swarm(), (4 * CELL * N) ** 2, [np.zeros(3)] * 2
     return {
-        "particles": _flux([group], None, 4.0 * pi * group.intensities.sum(axis=0)),
-        "square": _flux([SQUARE], None, pi * COLOR * 4.0),
-        "even_sky": _flux([], Environment(tuple(COLOR)), 6.0 * face * pi * COLOR),
-        "sky_above_horizon": _flux([], sky(), 3.0 * face * pi * COLOR),
+        "particles": _flux([group], None, _of_particles(group)),
+        "square": _flux([SQUARE], None, [pi * COLOR * 4.0] * 3),
+        "even_sky": _flux([], Environment(tuple(COLOR)), [*none, 6.0 * face * pi * COLOR]),
+        "sky_above_horizon": _flux([], sky(), [*none, 3.0 * face * pi * COLOR]),
     }
 
 
