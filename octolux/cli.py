@@ -118,8 +118,7 @@ def render(
 
     loaded = cli_options.with_fog(load_scene(scene), fog, fog_absorption)
     plan.remove_leftovers()
-    if not plan.missing and not plan.videos:
-        console.out.print("nothing to do: all files are complete")
+    if _nothing_to_do(plan):
         return
     of_frames = {"shadow_resolution": shadow_resolution, "rsm_resolution": rsm_resolution, "sky_lights": sky_lights,
                  "fog_resolution": fog_resolution, "shadow_filter": shadow_filter, "normal_maps": normal_maps,
@@ -134,6 +133,14 @@ def render(
         return
     timeline = Timeline(renderer, loaded, fps, first=plan.frames[0], camera=camera, clip=clip)
     _make_with_views(plan, timeline, stats, files)
+
+
+def _nothing_to_do(plan: Plan) -> bool:
+    """Whether all files are complete, which is then said."""
+    complete = not plan.missing and not plan.videos
+    if complete:
+        console.out.print("nothing to do: all files are complete")
+    return complete
 
 
 def _make_with_views(plan: Plan, timeline: Timeline, stats: Path | None, files: list[tuple[str, Path]]) -> None:

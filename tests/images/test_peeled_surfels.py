@@ -138,4 +138,6 @@ def test_layers_that_are_refused(changes, says):
     {"propagation": "steps", "bounces": 1, "occlusion": True, "glossy": False},
 ], ids=["what blocks", "what reflects", "what is reflected", "what blocks steps"])  # fmt: skip
 def test_layers_go_with(changes):
-    CascadedLpvSettings.make(**{"occlusion": False, "surfels": "lamps", "layers": 2, "keep_surfels": True, **changes})
+    asked = {"occlusion": False, "surfels": "lamps", "layers": 2, "keep_surfels": True, **changes}
+    made = CascadedLpvSettings.make(**asked)
+    assert {name: getattr(made, name) for name in asked} == asked

@@ -12,6 +12,7 @@ from test_octree_gathering import packed, random_planes
 from octolux.gpu.bindings import storage, storage_rw
 from octolux.gpu.passes import ComputePass
 from octolux.simulator.lpv import cones, geometry
+from octolux.techniques.lpv.constants import STRIP_VALUES
 from octolux.techniques.lpv.gathering.gathering import _OPAQUE
 from octolux.techniques.lpv.windows import WINDOW, windows_binding
 
@@ -63,7 +64,7 @@ def test_ways_pass_as_the_simulators(device, tmp_path, base, straight, narrower)
          storage_rw("found", "f32", "write")],
         structs=[WINDOW], workgroup=(64, 1, 1), count=len(start), base=base, n=N, windows=COUNT,
         bits=N.bit_length() - 1, cone_length=cone_length, fade=cones.FADE, left_out=cones.LEFT_OUT,
-        short=cones.SHORT, opaque=_OPAQUE, strips_first=0,
+        short=cones.SHORT, opaque=_OPAQUE, strips_first=0, **STRIP_VALUES,
     )  # fmt: skip
     given = (np.column_stack(columns).astype(np.float32) for columns in ((start, room), (end, size)))
     buffers = dict(zip(("starts", "ends"), (device.buffer("ways", rows) for rows in given), strict=True))

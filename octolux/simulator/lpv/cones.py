@@ -1,4 +1,4 @@
-"""Cones through the geometry volume: what of a way its planes let through (geometry.py).
+"""Cones through the geometry volume: what of a way its strips let through (strips.py).
 
 A cone is marched from a point to a node, on the level whose cells are half as wide as the cone is there.
 """

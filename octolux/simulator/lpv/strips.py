@@ -87,7 +87,7 @@ class Planes(NamedTuple):
 Blockers = Planes | Strips
 
 
-_BITS = 0, 6, 11, 17, 23
+BITS = 0, 6, 11, 17, 23
 """Where in a word the density, the plane's place, the low and the high end, and the axis begin."""
 
 
@@ -99,7 +99,7 @@ def pack_planes(planes: Planes) -> np.ndarray:
     low, high = (np.floor(STEPS * end + 0.5) for end in (of.low, of.high))
     density = np.rint(STEPS * np.minimum(1.0, STEPS * planes.shares / np.maximum(high - low, 1.0)))
     place = np.minimum(STEPS * of.offsets, STEPS - 1)
-    fields = zip((density, place, low, high, of.last), _BITS, strict=True)
+    fields = zip((density, place, low, high, of.last), BITS, strict=True)
     words = np.bitwise_or.reduce([each.astype(np.uint32) << np.uint32(bit) for each, bit in fields])
     words[planes.shares <= 0.0] = 0
     return np.pad(words, [(0, 0)] * 3 + [(0, 1)])
@@ -110,7 +110,7 @@ def unpack_planes(words) -> Strips:
     is 1, a share to 1/32."""
     found = np.asarray(words)[..., :3]
     density, place, low, high, last = (
-        found >> np.uint32(bit) & ((1 << end - bit) - 1) for bit, end in zip(_BITS, (*_BITS[1:], 24), strict=True)
+        found >> np.uint32(bit) & ((1 << end - bit) - 1) for bit, end in zip(BITS, (*BITS[1:], 24), strict=True)
     )
     ends = low / STEPS, high / STEPS
     return Strips(density / STEPS, (place + 0.5) / STEPS, *ends, last.astype(bool))

@@ -12,7 +12,7 @@ from ...gpu.bindings import Binding, uniform
 from ...gpu.layout import Struct
 from ...simulator import sh
 from ...simulator.grid import Grid
-from ...simulator.lpv import formats, transfer
+from ...simulator.lpv import formats, strips, transfer
 
 GRID = Struct("Grid", origin="vec3f", cell_size="f32", n="u32")
 
@@ -22,6 +22,9 @@ SH_CONSTANTS: dict[str, Any] = {
     "sh_cosine_lobe_0": sh.COSINE_LOBE_0,
     "sh_cosine_lobe_1": sh.COSINE_LOBE_1,
 }
+
+STRIP_VALUES: dict[str, Any] = {"strip_steps": strips.STEPS, "strip_bits": strips.BITS}
+"""For gathering/planes.wgsl, which reads the words of strips.pack_planes, and pack_strips.wgsl, which makes them."""
 
 # The rest of a dominant lobe is isotropic; of the lobe a face gets the share max(0, d.m) / sum of max(0, d.m).
 _FAR, _SIDE = transfer.MOMENTS[0, 0], transfer.MOMENTS[0, 1]  # travelling along +x: far face +x, side face +y

@@ -21,7 +21,7 @@ from ...gpu.records import records, words
 from ...gpu_scene.structs import INSTANCE
 from ...simulator.lpv.geometry import BEHIND
 from ...simulator.rsm import MIN_COSINE
-from .constants import GRID, grids_binding
+from .constants import GRID, STRIP_VALUES, grids_binding
 from .downsampling import Downsampling
 from .injection import RUN, walks
 from .keeping import KeptCells
@@ -130,7 +130,7 @@ class GeometryVolume:
         self._pack = ComputePass(
             device, "pack strips", "techniques/lpv/pack_strips.wgsl",
             [*(storage(name, "vec4f") for name in self.volume), storage_rw("packed", "vec4u", "write")],
-            workgroup=(64, 1, 1), row=ROW, cells=levels.cells,
+            workgroup=(64, 1, 1), row=ROW, cells=levels.cells, **STRIP_VALUES,
         )  # fmt: skip
 
     def run(

@@ -15,7 +15,7 @@ from ....gpu.records import record_texture, records, records_out
 from ....simulator.blending import RATIO
 from ....simulator.lpv import cones, corners, gathering
 from ....simulator.lpv.cascades import transition
-from ..constants import GRID, SH_CONSTANTS, grids_binding
+from ..constants import GRID, SH_CONSTANTS, STRIP_VALUES, grids_binding
 from ..downsampling import Downsampling
 from ..levels import ROW, Levels
 from ..windows import WINDOW, one_window, windows_binding
@@ -93,7 +93,8 @@ class Gathering:
             candidates=512 + 216 * (used - 2) + coarsest**3,
             occlusion=self._occlusion, everywhere=self._everywhere, spread=gathering.SPREAD, side=gathering.SIDE, pi=pi,
             cone_length=cones.CONE_LENGTH, fade=cones.FADE, left_out=cones.LEFT_OUT, short=cones.SHORT, opaque=_OPAQUE,
-            touches=cones.TOUCHES, bits=n.bit_length() - 1, unit=self._unit, strips_first=self._strips_first, **values,
+            touches=cones.TOUCHES, bits=n.bit_length() - 1, unit=self._unit, strips_first=self._strips_first,
+            **STRIP_VALUES, **values,
         )  # fmt: skip
 
     def _make_lookup_passes(self, lookup_offset: float) -> None:
@@ -107,7 +108,7 @@ class Gathering:
         values: dict[str, Any] = {
             "n": self.n, "windows": count, "lookup_offset": float(lookup_offset), "transition": transition(self.n),
             "blend_ratio": RATIO, "corners": self.corners, "occlusion": self._occlusion, "least": _LEAST,
-            "closed": corners.LEAST, "unsure": corners.UNSURE,
+            "closed": corners.LEAST, "unsure": corners.UNSURE, **STRIP_VALUES,
         }  # fmt: skip
         if self.corners and self._occlusion:
             seen.append(storage("geometry", "vec4u"))

@@ -33,8 +33,8 @@ fn through_strips(words: vec4u, at: vec3f, way: Way, back: vec3f, ahead: vec3f) 
     let low = lows_of(words);
     let high = highs_of(words);
     let half = 0.5 * (high - low);
-    let from_low = saturate(0.5 + 0.5 * (place - low) / max(min(low, half), vec3f({{ 0.5 / 32 }})));
-    let to_high = saturate(0.5 + 0.5 * (high - place) / max(min(1.0 - high, half), vec3f({{ 0.5 / 32 }})));
+    let from_low = saturate(0.5 + 0.5 * (place - low) / max(min(low, half), vec3f({{ 0.5 / strip_steps }})));
+    let to_high = saturate(0.5 + 0.5 * (high - place) / max(min(1.0 - high, half), vec3f({{ 0.5 / strip_steps }})));
     let cover = select(from_low, vec3f(1.0), low == vec3f(0.0)) * select(to_high, vec3f(1.0), high == vec3f(1.0));
     return vec3f(1.0) - select(vec3f(0.0), densities_of(words) * cover, are_crossed(plane, within, back, ahead));
 }

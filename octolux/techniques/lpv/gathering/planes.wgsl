@@ -1,11 +1,15 @@
 // A cell's words of the geometry volume (simulator/lpv/strips.py, `pack_planes`): for each axis the density of what is blocked of
 // its cross section, where in the cell, and the low and the high end of the strip there, along the next axis or the last.
-fn in_steps(words: vec4u, first: u32) -> vec3f { return vec3f((words.xyz >> vec3u(first)) & vec3u(63u)) * {{ 1 / 32 }}; }
-fn densities_of(words: vec4u) -> vec3f { return in_steps(words, 0u); }
-fn planes_of(words: vec4u) -> vec3f { return (vec3f((words.xyz >> vec3u(6u)) & vec3u(31u)) + 0.5) * {{ 1 / 32 }}; }
-fn lows_of(words: vec4u) -> vec3f { return in_steps(words, 11u); }
-fn highs_of(words: vec4u) -> vec3f { return in_steps(words, 17u); }
-fn are_along_last(words: vec4u) -> vec3<bool> { return words.xyz >= vec3u({{ 2**23 }}u); }
+fn in_steps(words: vec4u, first: u32) -> vec3f {
+    return vec3f((words.xyz >> vec3u(first)) & vec3u({{ 2 * strip_steps - 1 }}u)) * {{ 1 / strip_steps }};
+}
+fn densities_of(words: vec4u) -> vec3f { return in_steps(words, {{ strip_bits[0] }}u); }
+fn planes_of(words: vec4u) -> vec3f {
+    return (vec3f((words.xyz >> vec3u({{ strip_bits[1] }}u)) & vec3u({{ strip_steps - 1 }}u)) + 0.5) * {{ 1 / strip_steps }};
+}
+fn lows_of(words: vec4u) -> vec3f { return in_steps(words, {{ strip_bits[2] }}u); }
+fn highs_of(words: vec4u) -> vec3f { return in_steps(words, {{ strip_bits[3] }}u); }
+fn are_along_last(words: vec4u) -> vec3<bool> { return words.xyz >= vec3u({{ 2 ** strip_bits[4] }}u); }
 fn shares_of(words: vec4u) -> vec3f { return densities_of(words) * (highs_of(words) - lows_of(words)); }
 
 // Which planes a way crosses that is sampled in steps: of a sample `within` a cell, those between the last sample, `back` before it,

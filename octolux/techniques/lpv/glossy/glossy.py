@@ -15,7 +15,7 @@ from ....simulator.lpv import glossy
 from ....simulator.lpv.cascades import transition
 from ....simulator.lpv.cones import SHORT
 from ....simulator.reflection import CONE
-from ..constants import GRID, SH_CONSTANTS, grids_binding
+from ..constants import GRID, SH_CONSTANTS, STRIP_VALUES, grids_binding
 from ..levels import Levels
 from ..lookup import CHANNELS
 from ..windows import WINDOW, one_window, windows_binding
@@ -118,7 +118,7 @@ class Glossy(_Rays):
             device, levels, "march", [*([storage("geometry", "vec4u")] if occlusion else []), *read], lookup_offset,
             resolution, used=used, slots=slots, occlusion=occlusion, steps=round((cells or windows * n) / step),
             step=float(step), forgets=glossy.FORGETS**step, least=glossy.LEAST, left=glossy.LEFT, met=glossy.MET,
-            near=glossy.NEAR, look_ahead=glossy.LOOK_AHEAD, short=SHORT,
+            near=glossy.NEAR, look_ahead=glossy.LOOK_AHEAD, short=SHORT, **STRIP_VALUES,
         )  # fmt: skip
 
     def update(self, stage: Any, injected: Any, peak: Any, reflectors: Any, windows: Any = None) -> None:
